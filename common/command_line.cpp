@@ -1,0 +1,122 @@
+#include "common/command_line.h"
+
+#include "common/binary_io.h"
+#include "common/error.h"
+#include "common/log.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+
+namespace rt {
+namespace {
+
+// Keeps the limit for the rest of the process.
+void limitThreads(int threads) {
+    static std::unique_ptr<tbb::global_control> limit;
+    if (threads > 0)
+        limit = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                      static_cast<std::size_t>(threads));
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts(1);
+    for (char c : text) {
+        if (c == separator)
+            parts.emplace_back();
+        else
+            parts.back().push_back(c);
+    }
+    return parts;
+}
+
+std::string escapeForMake(const std::string& path) {
+    std::string escaped;
+    for (char c : path) {
+        if (c == ' ' || c == '#') escaped += '\\';
+        if (c == '$') escaped += '$';
+        escaped += c;
+    }
+    return escaped;
+}
+
+} // namespace
+
+void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& libraries) {
+    app.footer(exitCodeTable());
+    app.get_formatter()->column_width(34);
+    app.set_version_flag("--version", fmt::format("{} {}\n{}", app.get_name(), RT_VERSION, libraries));
+    app.add_flag("-q,--quiet", options.quiet, "Print errors only");
+    app.add_flag("-v,--verbose", options.verbose, "Print details of each stage");
+    app.add_option("-j,--threads", options.threads, "Threads to use; 0 = all. Outputs do not depend on it")
+        ->check(CLI::Range(0, 4096))
+        ->type_name("N");
+    app.add_option("--json", options.jsonPath, "Write the figures as JSON; - for standard output")
+        ->type_name("FILE");
+}
+
+void addDepfileOption(CLI::App& app, CommonOptions& options) {
+    app.add_option("--depfile", options.depfilePath, "Write a Make/Ninja dependency file")->type_name("FILE");
+}
+
+bool parseCommandLine(CLI::App& app, int argc, const char* const* argv, const CommonOptions& options) {
+    for (int i = 1; i < argc; ++i)
+        if (argv[i][0] == '\0') throw Error(ErrorKind::Usage, fmt::format("argument {} is empty", i));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& request) { // --help and --version come as exceptions from CLI11
+        app.exit(request);
+        return false;
+    } catch (const CLI::ParseError& error) {
+        throw Error(ErrorKind::Usage, fmt::format("{}; see {} --help", error.what(), app.get_name()));
+    }
+    if (options.quiet && options.verbose) throw Error(ErrorKind::Usage, "-q and -v exclude each other");
+    setLogLevel(options.quiet ? LogLevel::Quiet : options.verbose ? LogLevel::Verbose : LogLevel::Normal);
+    limitThreads(options.threads);
+    return true;
+}
+
+std::vector<double> parseNumbers(const std::string& text, std::size_t count, const std::string& option) {
+    std::vector<double> numbers;
+    for (const std::string& part : split(text, ',')) {
+        double value = 0.0;
+        const auto [end, status] = std::from_chars(part.data(), part.data() + part.size(), value);
+        if (status != std::errc() || end != part.data() + part.size() || !std::isfinite(value))
+            throw Error(ErrorKind::Usage, fmt::format("{}: '{}' is not a finite number", option, part));
+        numbers.push_back(value);
+    }
+    if (numbers.size() != count)
+        throw Error(ErrorKind::Usage, fmt::format("{}: '{}' has {} numbers; {} separated by commas wanted",
+                                                  option, text, numbers.size(), count));
+    return numbers;
+}
+
+std::vector<unsigned> parseSizes(const std::string& text, std::size_t count, const std::string& option) {
+    std::vector<unsigned> sizes;
+    for (const std::string& part : split(text, 'x')) {
+        unsigned value = 0;
+        const auto [end, status] = std::from_chars(part.data(), part.data() + part.size(), value);
+        if (status != std::errc() || end != part.data() + part.size() || value == 0)
+            throw Error(ErrorKind::Usage,
+                        fmt::format("{}: '{}' is not a positive whole number", option, part));
+        sizes.push_back(value);
+    }
+    if (sizes.size() == 1) sizes.assign(count, sizes[0]);
+    if (sizes.size() != count)
+        throw Error(ErrorKind::Usage,
+                    fmt::format("{}: '{}' has {} parts; {} wanted", option, text, sizes.size(), count));
+    return sizes;
+}
+
+void writeDepfile(const std::string& path, const std::string& target,
+                  const std::vector<std::string>& inputs) {
+    std::string text = escapeForMake(target) + ":";
+    for (const std::string& input : inputs) text += " \\\n  " + escapeForMake(input);
+    writeFile(path, text + "\n");
+}
+
+} // namespace rt

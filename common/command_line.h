@@ -1,0 +1,41 @@
+#pragma once
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace rt {
+
+/// Options that every tool has.
+struct CommonOptions {
+    int threads = 0; ///< 0 = as many as the machine has
+    bool quiet = false;
+    bool verbose = false;
+    std::string jsonPath;    ///< empty = none, "-" = standard output
+    std::string depfilePath; ///< empty = none
+};
+
+/// Adds -q, -v, -j/--threads, --json and --version. `libraries` names the libraries and their versions.
+void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& libraries);
+
+/// Adds --depfile, for the tools that read other files than the ones named on the command line.
+void addDepfileOption(CLI::App& app, CommonOptions& options);
+
+/// Parses argv. Returns false when --help or --version was asked for and printed.
+/// Throws Error{Usage} for anything that does not parse, an empty argument included.
+/// Sets the log level and the number of threads from `options`.
+bool parseCommandLine(CLI::App& app, int argc, const char* const* argv, const CommonOptions& options);
+
+/// Parses "x,y,z" into `count` finite numbers. Throws Error{Usage} naming `option`.
+std::vector<double> parseNumbers(const std::string& text, std::size_t count, const std::string& option);
+
+/// Parses "N" or "AxB" or "AxBxC" into positive integers; a single N stands for all `count`.
+/// Throws Error{Usage} naming `option`.
+std::vector<unsigned> parseSizes(const std::string& text, std::size_t count, const std::string& option);
+
+/// Writes a Make/Ninja dependency file: `target: inputs...`, spaces and dollars escaped.
+void writeDepfile(const std::string& path, const std::string& target, const std::vector<std::string>& inputs);
+
+} // namespace rt

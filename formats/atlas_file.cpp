@@ -1,0 +1,189 @@
+#include "formats/atlas_file.h"
+
+#include "common/error.h"
+#include "formats/section_file.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <vector>
+
+namespace rt {
+namespace {
+
+constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 1, 0, ".rtatlas"};
+
+constexpr std::uint32_t kInfo = sectionId("INFO");
+constexpr std::uint32_t kGrid = sectionId("GRID");
+constexpr std::uint32_t kVoxels = sectionId("VOXL");
+constexpr std::uint32_t kReferences = sectionId("REFS");
+constexpr std::uint32_t kTriangles = sectionId("TRIS");
+constexpr std::uint32_t kTriangleVertices = sectionId("TVTX");
+constexpr std::uint32_t kNormals = sectionId("NORM");
+constexpr std::uint32_t kTexcoords = sectionId("TEXC");
+constexpr std::uint32_t kMaterials = sectionId("MATL");
+constexpr std::uint32_t kLights = sectionId("LITE");
+constexpr std::uint32_t kImages = sectionId("IMGS");
+constexpr std::uint32_t kPages = sectionId("TEXP");
+
+class Validator {
+public:
+    explicit Validator(const std::string& name) : name_(name) {}
+
+    void require(bool holds, const char* what) const {
+        if (!holds) throw Error(ErrorKind::InvalidContent, fmt::format("{}: {}", name_, what));
+    }
+    template <class T, class Predicate>
+    void requireEach(const SharedSpan<T>& values, const char* what, Predicate holds) const {
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (!holds(values[i]))
+                throw Error(ErrorKind::InvalidContent, fmt::format("{}: {} {} is invalid", name_, what, i));
+    }
+
+private:
+    const std::string& name_;
+};
+
+bool finite3(const glm::vec4& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+bool isPowerOfTwo(float x) {
+    int exponent = 0;
+    return std::isfinite(x) && x > 0.0f && std::frexp(x, &exponent) == 0.5f;
+}
+
+void validateGrid(const Atlas& atlas, const Validator& check) {
+    const GridParams& grid = atlas.grid;
+    check.require(grid.dims.w == kStructureUniform || grid.dims.w == kStructureCloud,
+                  "unknown structure kind");
+    for (int axis = 0; axis < 3; ++axis) {
+        check.require(grid.dims[axis] >= 1 && grid.dims[axis] <= (1u << 16), "grid dimensions out of range");
+        check.require(grid.cellSize[axis] > 0.0f && std::isfinite(grid.cellSize[axis]),
+                      "voxel size out of range");
+        check.require(grid.cellsPerUnit[axis] > 0.0f && std::isfinite(grid.cellsPerUnit[axis]),
+                      "voxel size out of range");
+        check.require(std::isfinite(atlas.info.worldLo[axis]) && std::isfinite(atlas.info.worldHi[axis]),
+                      "scene bounds are not finite");
+    }
+    check.require(finite3(grid.gridLo) && finite3(grid.worldOffset), "grid position is not finite");
+    check.require(isPowerOfTwo(grid.worldOffset.w), "scale is not a power of two");
+    check.require(atlas.voxels.size() == atlas.voxelCount(),
+                  "number of voxels is not the product of the dimensions");
+}
+
+// Lists stand one after the other in REFS. Returns which words begin one.
+std::vector<bool> listStarts(const Atlas& atlas, const Validator& check) {
+    const auto& refs = atlas.references;
+    std::vector<bool> starts(refs.size());
+    for (std::uint64_t offset = 0; offset < refs.size();) {
+        const std::uint64_t count = refs[offset];
+        check.require(count <= refs.size() - offset - 1, "a triangle list overruns its section");
+        for (std::uint64_t i = 1; i <= count; ++i)
+            check.require(refs[offset + i] < atlas.triangles.size(),
+                          "a triangle list names a triangle that does not exist");
+        starts[offset] = true;
+        offset += count + 1;
+    }
+    return starts;
+}
+
+// After this no voxel leads a shader out of VOXL, REFS or TRIS, and no leap is longer than the grid.
+void validateVoxels(const Atlas& atlas, const Validator& check) {
+    const std::vector<bool> starts = listStarts(atlas, check);
+    const bool cloud = atlas.grid.dims.w == kStructureCloud;
+    const std::uint32_t largest = glm::max(atlas.grid.dims.x, glm::max(atlas.grid.dims.y, atlas.grid.dims.z));
+    check.requireEach(atlas.voxels, "voxel", [&](std::uint32_t word) {
+        if (!(word & kOccupiedBit)) return cloud ? word >= 1 && word <= largest : word == 0;
+        const std::uint64_t offset = word & ~kOccupiedBit;
+        return offset < starts.size() && starts[offset];
+    });
+}
+
+void validateShading(const Atlas& atlas, const Validator& check) {
+    const std::size_t vertexCount = atlas.normals.size();
+    check.require(atlas.triangleVertices.size() == atlas.triangles.size(),
+                  "triangle counts of TRIS and TVTX differ");
+    check.require(atlas.texcoords.empty() || atlas.texcoords.size() == vertexCount,
+                  "wrong number of texture coordinates");
+    check.requireEach(atlas.triangles, "triangle", [&](const TriangleRecord& t) {
+        return finite3(t.v0) && finite3(t.v1) && finite3(t.v2) &&
+               std::bit_cast<std::uint32_t>(t.v0.w) < atlas.triangles.size();
+    });
+    check.requireEach(atlas.triangleVertices, "triangle", [&](const glm::uvec4& t) {
+        return t.x < vertexCount && t.y < vertexCount && t.z < vertexCount && t.w < atlas.materials.size();
+    });
+    check.requireEach(atlas.texcoords, "texture coordinate",
+                      [](const glm::vec2& t) { return std::isfinite(t.x) && std::isfinite(t.y); });
+    check.requireEach(atlas.materials, "material", [&](const Material& m) {
+        const bool image =
+            m.images.x == kNoImage || (m.images.x < atlas.images.size() && !atlas.texcoords.empty());
+        return image && finite3(m.baseColor) && finite3(m.emission) && finite3(m.optics) &&
+               m.optics.z >= 1.0f;
+    });
+    check.requireEach(atlas.lights, "light",
+                      [](const Light& l) { return finite3(l.positionWorld) && finite3(l.intensity); });
+    const AtlasInfo& info = atlas.info;
+    check.require(atlas.pages.size() == std::uint64_t(info.pageWidth) * info.pageHeight * info.pageCount,
+                  "number of texels is not that of the texture pages");
+    check.requireEach(atlas.images, "image", [&](const ImagePlace& image) {
+        return image.rect.z >= 1 && image.rect.w >= 1 &&
+               std::uint64_t(image.rect.x) + image.rect.z <= info.pageWidth &&
+               std::uint64_t(image.rect.y) + image.rect.w <= info.pageHeight &&
+               image.page.x < info.pageCount && image.page.y <= kWrapMirror && image.page.z <= kWrapMirror;
+    });
+}
+
+} // namespace
+
+void validate(const Atlas& atlas, const std::string& name) {
+    const Validator check(name);
+    check.require(atlas.grid.counts == glm::uvec4(atlas.triangles.size(), atlas.normals.size(),
+                                                  atlas.materials.size(), atlas.lights.size()),
+                  "counts in GRID differ from the sections' sizes");
+    check.require(!atlas.triangles.empty() && !atlas.materials.empty(), "has no triangles or no materials");
+    validateGrid(atlas, check);
+    validateVoxels(atlas, check);
+    validateShading(atlas, check);
+}
+
+void writeAtlas(const std::string& path, const Atlas& atlas) {
+    SectionFileWriter writer(kAtlasKind);
+    writer.add<AtlasInfo>(kInfo, std::span(&atlas.info, 1));
+    writer.add<GridParams>(kGrid, std::span(&atlas.grid, 1));
+    writer.add<std::uint32_t>(kVoxels, atlas.voxels);
+    writer.add<std::uint32_t>(kReferences, atlas.references);
+    writer.add<TriangleRecord>(kTriangles, atlas.triangles);
+    writer.add<glm::uvec4>(kTriangleVertices, atlas.triangleVertices);
+    writer.add<std::uint32_t>(kNormals, atlas.normals);
+    if (!atlas.texcoords.empty()) writer.add<glm::vec2>(kTexcoords, atlas.texcoords);
+    writer.add<Material>(kMaterials, atlas.materials);
+    if (!atlas.lights.empty()) writer.add<Light>(kLights, atlas.lights);
+    if (!atlas.images.empty()) {
+        writer.add<ImagePlace>(kImages, atlas.images);
+        writer.add<std::uint32_t>(kPages, atlas.pages);
+    }
+    writer.write(path);
+}
+
+AtlasFile readAtlas(const std::string& path) {
+    const SectionFile file(path, kAtlasKind);
+    Atlas atlas;
+    atlas.info = file.get<AtlasInfo>(kInfo, 1)[0];
+    atlas.grid = file.get<GridParams>(kGrid, 1)[0];
+    atlas.voxels = file.get<std::uint32_t>(kVoxels);
+    atlas.references = file.get<std::uint32_t>(kReferences);
+    atlas.triangles = file.get<TriangleRecord>(kTriangles);
+    atlas.triangleVertices = file.get<glm::uvec4>(kTriangleVertices);
+    atlas.normals = file.get<std::uint32_t>(kNormals);
+    atlas.texcoords = file.get<glm::vec2>(kTexcoords);
+    atlas.materials = file.get<Material>(kMaterials);
+    atlas.lights = file.get<Light>(kLights);
+    atlas.images = file.get<ImagePlace>(kImages);
+    atlas.pages = file.get<std::uint32_t>(kPages);
+    validate(atlas, path);
+    return {std::move(atlas), file.contentHash(), file.fileBytes()};
+}
+
+} // namespace rt

@@ -1,0 +1,16 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace rt {
+
+/// The leading bytes of an EXR file up to the end of its header, made safe for a library to parse: attributes
+/// that it would read beyond their declared size (previews, manifests, lists of strings) get an unknown type,
+/// so that they are carried as plain bytes, and the sizes of the others are checked, so that it walks the
+/// header in the same steps. Throws Error{InvalidContent} prefixed by `name` if the file is not an EXR, is
+/// damaged, multi-part or deep. Source: "OpenEXR File Layout" (openexr.com).
+std::vector<std::byte> safeExrHeader(std::span<const std::byte> file, const std::string& name);
+
+} // namespace rt

@@ -1,0 +1,66 @@
+// What rt-trace's host code and its shaders agree on beyond the atlas: bindings, parameters, rays, hits.
+#ifndef RT_GPU_INTERFACE_H
+#define RT_GPU_INTERFACE_H
+#ifdef __cplusplus
+#include "formats/shared_types.shared.h"
+#endif
+
+RT_SHARED_BEGIN
+
+// Uniform blocks.
+#define RT_BINDING_GRID 0   // GridParams
+#define RT_BINDING_CAMERA 1 // CameraParams (render)
+#define RT_BINDING_QUERY 1  // QueryParams (query)
+// Image units.
+#define RT_IMAGE_COLOR 0    // rgba32f: linear RGB, A = 1 where the primary ray hit
+#define RT_IMAGE_SURFACE 1  // rgba32f: N.xyz, Z
+#define RT_IMAGE_ID 2       // r32ui: triangle index or kNoTriangle
+#define RT_IMAGE_COUNTERS 3 // rgba32ui, where work is counted: see WorkCounters in shaders/counters.glsl
+// Storage buffers that are never split. Atlas arrays that may need several buffers take the numbers from
+// RT_BUFFER_FIRST_PAGED on, in the order of the host's table (tools/rt-trace/shader_resources).
+#define RT_BUFFER_MATERIALS 0
+#define RT_BUFFER_LIGHTS 1 // Light, moved to atlas space: intensities times the square of the scale
+#define RT_BUFFER_IMAGES 2
+#define RT_BUFFER_RAYS 3
+#define RT_BUFFER_HITS 4
+#define RT_BUFFER_COUNTERS 5 // uvec4 per ray, where work is counted
+#define RT_BUFFER_FIRST_PAGED 6
+// Texture units: the texture pages, then the slabs of the voxel texture.
+#define RT_TEXTURE_PAGES 0
+#define RT_TEXTURE_FIRST_VOXELS 1
+
+RT_SHARED_CONST uint kNoTriangle = 0xFFFFFFFFu;
+
+// A pinhole camera in atlas space; the ray through pixel (x, y), (0, 0) = top left, is
+//     forward + right * (2 (x + 0.5) / width - 1) + up * (1 - 2 (y + 0.5) / height), normalized.
+struct CameraParams {
+    vec4 eye;        // xyz atlas space; w = 0
+    vec4 right;      // xyz half the image's width at distance 1; w = 0
+    vec4 up;         // xyz half the image's height at distance 1; w = 0
+    vec4 forward;    // xyz unit length; w = 0
+    vec4 background; // rgb radiance of rays that leave the scene; w = 0
+    vec4 ambient;    // rgb radiance that every surface receives, unshadowed; w = 0
+    uvec4 size;      // width, height, first row of this dispatch, 0
+};
+
+struct QueryParams {
+    uvec4 count; // x rays of this dispatch; yzw = 0
+};
+
+// Rays and hits are the raw float32 records of the --rays and -o files. Directions need not be normalized.
+struct QueryRay {
+    vec4 originTmin;    // world space
+    vec4 directionTmax; // world space
+};
+struct QueryHit {
+    uvec4 tuvId; // float bits of t (world; -1 = miss), u, v; triangle index or kNoTriangle
+};
+
+RT_SHARED_END
+
+#ifdef __cplusplus
+static_assert(sizeof(rt::CameraParams) == 112 && sizeof(rt::QueryParams) == 16);
+static_assert(sizeof(rt::QueryRay) == 32 && sizeof(rt::QueryHit) == 16);
+static_assert(offsetof(rt::CameraParams, size) == 96 && offsetof(rt::QueryRay, directionTmax) == 16);
+#endif
+#endif

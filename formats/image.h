@@ -1,0 +1,42 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rt {
+
+/// One named channel: width*height values, row by row from the top.
+struct ImageChannel {
+    enum class Type { Half, Float, Uint };
+    std::string name;                 ///< as EXR names it: "R", "N.X", "id"
+    Type type = Type::Float;          ///< how a file stores it; in memory half and float are both `values`
+    std::vector<float> values;        ///< Half and Float channels
+    std::vector<std::uint32_t> uints; ///< Uint channels
+};
+
+struct Image {
+    std::uint32_t width = 0;
+    std::uint32_t height = 0;
+    std::vector<ImageChannel> channels; ///< sorted by name, names unique
+    /// Attributes of the EXR header that are not structural: text, numbers and 4x4 matrices (16 floats,
+    /// row-major as EXR stores them).
+    std::map<std::string, std::string> texts;
+    std::map<std::string, float> floats;
+    std::map<std::string, std::int32_t> ints;
+    std::map<std::string, std::vector<float>> matrices;
+
+    const ImageChannel* find(const std::string& name) const;
+    std::size_t pixelCount() const { return std::size_t(width) * height; }
+};
+
+/// Writes a single-part scanline EXR with ZIP compression, or a PNG of R, G, B (A) clamped to [0,1] and
+/// sRGB-encoded, by the path's extension. Same image, same bytes. Throws Error{Usage} for another extension,
+/// Error{FileAccess}.
+void writeImage(const std::string& path, const Image& image);
+
+/// True if writeImage() knows the path's extension.
+bool isImagePath(const std::string& path);
+
+} // namespace rt

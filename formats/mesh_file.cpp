@@ -1,0 +1,139 @@
+#include "formats/mesh_file.h"
+
+#include "common/error.h"
+#include "formats/section_file.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rt {
+namespace {
+
+constexpr FileKind kMeshKind{{'\x89', 'R', 'T', 'M', 'E', 'S', 'H', '\n'}, 1, 0, ".rtmesh"};
+
+constexpr std::uint32_t kPositions = sectionId("POSI");
+constexpr std::uint32_t kNormals = sectionId("NORM");
+constexpr std::uint32_t kTexcoords = sectionId("TEXC");
+constexpr std::uint32_t kTriangles = sectionId("TRIS");
+constexpr std::uint32_t kTriangleMaterial = sectionId("TMAT");
+constexpr std::uint32_t kMaterials = sectionId("MATL");
+constexpr std::uint32_t kLights = sectionId("LITE");
+constexpr std::uint32_t kImages = sectionId("IMGS");
+constexpr std::uint32_t kPixels = sectionId("PIXL");
+
+// One report for the first fault found in an array.
+template <class T, class Predicate>
+void requireEach(const SharedSpan<T>& values, const std::string& file, const char* what, Predicate holds) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!holds(values[i]))
+            throw Error(ErrorKind::InvalidContent, fmt::format("{}: {} {} is invalid", file, what, i));
+}
+
+void requireCount(std::size_t found, std::size_t wanted, const std::string& file, const char* what) {
+    if (found != wanted)
+        throw Error(ErrorKind::InvalidContent,
+                    fmt::format("{}: {} {} where {} were expected", file, found, what, wanted));
+}
+
+bool finite(const glm::vec2& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y);
+}
+bool finite(const glm::vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool finite(const glm::vec4& v) {
+    return finite(glm::vec3(v)) && std::isfinite(v.w);
+}
+bool inUnitRange(float x) {
+    return x >= 0.0f && x <= 1.0f;
+}
+bool isUnit(const glm::vec3& n) {
+    return std::abs(glm::dot(n, n) - 1.0f) < 1e-3f;
+} // false for NaN
+
+bool isValidMaterial(const Material& m, std::size_t imageCount) {
+    const bool colors =
+        finite(m.baseColor) && finite(m.emission) &&
+        glm::min(m.baseColor, m.emission) == glm::max(glm::min(m.baseColor, m.emission), glm::vec4(0.0f));
+    const bool optics = inUnitRange(m.optics.x) && inUnitRange(m.optics.y) &&
+                        m.optics.x + m.optics.y <= 1.0f + 1e-5f && m.optics.z >= 1.0f && m.optics.z <= 100.0f;
+    return colors && optics && (m.images.x == kNoImage || m.images.x < imageCount);
+}
+
+bool isValidImage(const MeshImage& image, std::size_t pixelCount) {
+    const std::uint64_t pixels = std::uint64_t(image.width) * image.height;
+    return image.width > 0 && image.height > 0 && image.wrapU <= kWrapMirror && image.wrapV <= kWrapMirror &&
+           image.firstPixel <= pixelCount && pixels <= pixelCount - image.firstPixel;
+}
+
+} // namespace
+
+Bounds boundsOf(const Mesh& mesh) {
+    Bounds bounds;
+    for (const glm::uvec3& t : mesh.triangles)
+        for (int corner = 0; corner < 3; ++corner) bounds.add(mesh.positions[t[corner]]);
+    return bounds;
+}
+
+void validate(const Mesh& mesh, const std::string& name) {
+    constexpr std::size_t kMaxCount = 0x7FFFFFFFu; // triangle and vertex indices stay below 2^31
+    if (mesh.triangles.empty()) throw Error(ErrorKind::InvalidContent, name + ": has no triangles");
+    if (mesh.triangles.size() > kMaxCount || mesh.positions.size() > kMaxCount)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: {} triangles and {} vertices exceed {}", name, mesh.triangles.size(),
+                                mesh.positions.size(), kMaxCount));
+    const std::size_t vertexCount = mesh.positions.size();
+    requireCount(mesh.normals.size(), vertexCount, name, "normals");
+    if (!mesh.texcoords.empty())
+        requireCount(mesh.texcoords.size(), vertexCount, name, "texture coordinates");
+    requireCount(mesh.triangleMaterial.size(), mesh.triangles.size(), name, "triangle materials");
+    requireEach(mesh.positions, name, "position", [](const glm::vec3& p) { return finite(p); });
+    requireEach(mesh.normals, name, "normal", isUnit);
+    requireEach(mesh.texcoords, name, "texture coordinate", [](const glm::vec2& t) { return finite(t); });
+    requireEach(mesh.triangles, name, "triangle", [=](const glm::uvec3& t) {
+        return t.x < vertexCount && t.y < vertexCount && t.z < vertexCount;
+    });
+    requireEach(mesh.triangleMaterial, name, "material of triangle",
+                [&](std::uint32_t m) { return m < mesh.materials.size(); });
+    requireEach(mesh.images, name, "image",
+                [&](const MeshImage& i) { return isValidImage(i, mesh.pixels.size()); });
+    requireEach(mesh.materials, name, "material",
+                [&](const Material& m) { return isValidMaterial(m, mesh.images.size()); });
+    requireEach(mesh.lights, name, "light",
+                [](const Light& l) { return finite(l.positionWorld) && finite(l.intensity); });
+}
+
+void writeMesh(const std::string& path, const Mesh& mesh) {
+    SectionFileWriter writer(kMeshKind);
+    writer.add<glm::vec3>(kPositions, mesh.positions);
+    writer.add<glm::vec3>(kNormals, mesh.normals);
+    if (!mesh.texcoords.empty()) writer.add<glm::vec2>(kTexcoords, mesh.texcoords);
+    writer.add<glm::uvec3>(kTriangles, mesh.triangles);
+    writer.add<std::uint32_t>(kTriangleMaterial, mesh.triangleMaterial);
+    writer.add<Material>(kMaterials, mesh.materials);
+    if (!mesh.lights.empty()) writer.add<Light>(kLights, mesh.lights);
+    if (!mesh.images.empty()) {
+        writer.add<MeshImage>(kImages, mesh.images);
+        writer.add<std::uint32_t>(kPixels, mesh.pixels);
+    }
+    writer.write(path);
+}
+
+MeshFile readMesh(const std::string& path) {
+    const SectionFile file(path, kMeshKind);
+    Mesh mesh;
+    mesh.positions = file.get<glm::vec3>(kPositions);
+    mesh.normals = file.get<glm::vec3>(kNormals);
+    mesh.texcoords = file.get<glm::vec2>(kTexcoords);
+    mesh.triangles = file.get<glm::uvec3>(kTriangles);
+    mesh.triangleMaterial = file.get<std::uint32_t>(kTriangleMaterial);
+    mesh.materials = file.get<Material>(kMaterials);
+    mesh.lights = file.get<Light>(kLights);
+    mesh.images = file.get<MeshImage>(kImages);
+    mesh.pixels = file.get<std::uint32_t>(kPixels);
+    validate(mesh, path);
+    return {std::move(mesh), file.contentHash()};
+}
+
+} // namespace rt

@@ -1,0 +1,19 @@
+#pragma once
+#include "formats/mesh.h"
+
+#include <string>
+
+namespace rt {
+
+/// Writes a .rtmesh, whole or not at all. Throws Error{FileAccess}.
+void writeMesh(const std::string& path, const Mesh& mesh);
+
+struct MeshFile {
+    Mesh mesh; ///< views the mapped file, which lives as long as any of its spans
+    std::uint64_t contentHash;
+};
+
+/// Maps and validates a .rtmesh. Safe for untrusted files. Throws Error{FileAccess} or Error{InvalidContent}.
+MeshFile readMesh(const std::string& path);
+
+} // namespace rt

@@ -1,0 +1,13 @@
+# Writes OUTPUT, a .cpp that defines rt::embeddedShaders() with the text of FILES (paths relative to ROOT).
+set(code "#include \"shaders/embedded_shaders.h\"\n\nnamespace rt {\n\n")
+string(APPEND code "std::span<const EmbeddedShader> embeddedShaders() {\n    static constexpr EmbeddedShader kShaders[] = {\n")
+foreach(file IN LISTS FILES)
+    file(READ "${ROOT}/${file}" text)
+    string(FIND "${text}" ")RT_SHADER\"" terminator)
+    if(NOT terminator EQUAL -1)
+        message(FATAL_ERROR "${file} contains the delimiter of the raw string that it is embedded as")
+    endif()
+    string(APPEND code "{\"${file}\", R\"RT_SHADER(${text})RT_SHADER\"},\n")
+endforeach()
+string(APPEND code "    };\n    return kShaders;\n}\n\n} // namespace rt\n")
+file(WRITE "${OUTPUT}" "${code}")

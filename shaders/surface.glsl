@@ -1,0 +1,99 @@
+// What a ray finds at a hit, in atlas space.
+struct Surface {
+    vec3 position;
+    vec3 positionError; // bound of the rounding error of each coordinate
+    vec3 geometricNormal; // unit, on the side that the ray came from
+    vec3 normal; // interpolated, unit, on that same side
+    vec3 albedo; // linear
+    vec3 emission;
+    float reflectivity;
+    float transmission;
+    float eta; // index of refraction on the ray's side / on the other side
+};
+
+int wrapTexel(int x, int size, uint wrap) {
+    if (wrap == kWrapClamp) return clamp(x, 0, size - 1);
+    int period = wrap == kWrapMirror ? 2 * size : size;
+    int inPeriod = x - period * int(floor(float(x) / float(period)));
+    return inPeriod < size ? inPeriod : period - 1 - inPeriod;
+}
+
+#if RT_HAS_TEXTURES
+vec3 fetchTexel(ImagePlace place, ivec2 texel) {
+    ivec2 wrapped = ivec2(wrapTexel(texel.x, int(place.rect.z), place.page.y), wrapTexel(texel.y, int(place.rect.w), place.page.z));
+    return texelFetch(texturePages, ivec3(ivec2(place.rect.xy) + wrapped, int(place.page.x)), 0).rgb;
+}
+
+// Bilinear, in linear light: the pages are sRGB textures, decoded before they are mixed.
+vec3 sampleImage(ImagePlace place, vec2 texcoord) {
+    vec2 size = vec2(place.rect.zw);
+    // Whole periods away from the image are taken off first: a float has no digits left for texels far out.
+    vec2 period = vec2(place.page.y == kWrapMirror ? 2.0f : 1.0f, place.page.z == kWrapMirror ? 2.0f : 1.0f);
+    vec2 near = texcoord - period * floor(texcoord / period);
+    vec2 uv = vec2(place.page.y == kWrapClamp ? clamp(texcoord.x, 0.0f, 1.0f) : near.x,
+                   place.page.z == kWrapClamp ? clamp(texcoord.y, 0.0f, 1.0f) : near.y);
+    vec2 position = vec2(uv.x, 1.0f - uv.y) * size - 0.5f;
+    vec2 weight = fract(position);
+    ivec2 texel = ivec2(floor(position));
+    vec3 top = mix(fetchTexel(place, texel), fetchTexel(place, texel + ivec2(1, 0)), weight.x);
+    vec3 bottom = mix(fetchTexel(place, texel + ivec2(0, 1)), fetchTexel(place, texel + ivec2(1, 1)), weight.x);
+    return mix(top, bottom, weight.y);
+}
+
+vec3 imageColor(uint image, uvec4 vertices, vec3 weights) {
+    vec2 texcoord = weights.x * loadTexcoord(vertices.x) + weights.y * loadTexcoord(vertices.y) + weights.z * loadTexcoord(vertices.z);
+    return sampleImage(images[image], texcoord);
+}
+#endif
+
+vec3 interpolateNormal(uvec4 vertices, vec3 weights, vec3 fallback) {
+    vec3 n = weights.x * octDecode(loadNormal(vertices.x)) + weights.y * octDecode(loadNormal(vertices.y)) +
+             weights.z * octDecode(loadNormal(vertices.z));
+    float squaredLength = dot(n, n);
+    return squaredLength > 1e-12f ? n * inversesqrt(squaredLength) : fallback;
+}
+
+Surface surfaceAt(Ray ray, Hit hit) {
+    TriangleRecord triangle = loadTriangle(hit.triangle);
+    uvec4 vertices = loadTriangleVertices(hit.triangle);
+    Material material = materials[vertices.w];
+    vec3 weights = vec3(1.0f - hit.u - hit.v, hit.u, hit.v);
+    Surface s;
+    // From the weights, not along the ray: the error is then that of the triangle, however far the ray has come
+    // (Pharr, Jakob & Humphreys 2016, section 3.9).
+    s.position = weights.x * triangle.v0.xyz + weights.y * triangle.v1.xyz + weights.z * triangle.v2.xyz;
+    s.positionError = gammaBound(7.0f) * (abs(weights.x * triangle.v0.xyz) + abs(weights.y * triangle.v1.xyz) +
+                                          abs(weights.z * triangle.v2.xyz));
+    // Edges scaled to unit size: the cross product of tiny ones would underflow.
+    vec3 edge1 = triangle.v1.xyz - triangle.v0.xyz;
+    vec3 edge2 = triangle.v2.xyz - triangle.v0.xyz;
+    vec3 outward = normalize(cross(normalize(edge1), normalize(edge2)));
+    bool entering = dot(outward, ray.direction) <= 0.0f;
+    s.geometricNormal = entering ? outward : -outward;
+    s.normal = interpolateNormal(vertices, weights, outward);
+    // The file's normals say which side is meant to be seen; only their direction relative to the face counts here.
+    if (dot(s.normal, s.geometricNormal) < 0.0f) s.normal = -s.normal;
+    s.albedo = material.baseColor.rgb;
+#if RT_HAS_TEXTURES
+    if (material.images.x != kNoImage) s.albedo *= imageColor(material.images.x, vertices, weights);
+#endif
+    s.emission = kHasEmission ? material.emission.rgb : vec3(0.0f);
+    s.reflectivity = kHasReflection ? material.optics.x : 0.0f;
+    s.transmission = kHasTransmission ? material.optics.y : 0.0f;
+    s.eta = entering ? 1.0f / material.optics.z : material.optics.z;
+    return s;
+}
+
+float nextFloat(float x, bool up) {
+    if (x == 0.0f) return up ? 1e-37f : -1e-37f;
+    uint bits = floatBitsToUint(x);
+    return uintBitsToFloat((x > 0.0f) == up ? bits + 1u : bits - 1u);
+}
+
+// Where a ray in `direction` leaves the surface: outside the box in which the true hit lies (Pharr, Jakob & Humphreys
+// 2016, section 3.9.5), so that it cannot hit the same triangle again.
+vec3 leaveSurface(Surface s, vec3 direction) {
+    vec3 side = dot(direction, s.geometricNormal) >= 0.0f ? s.geometricNormal : -s.geometricNormal;
+    vec3 moved = s.position + side * dot(abs(side), s.positionError);
+    return vec3(nextFloat(moved.x, side.x >= 0.0f), nextFloat(moved.y, side.y >= 0.0f), nextFloat(moved.z, side.z >= 0.0f));
+}

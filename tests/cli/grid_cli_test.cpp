@@ -1,0 +1,189 @@
+#include "common/binary_io.h"
+#include "formats/atlas_file.h"
+#include "formats/mesh_file.h"
+#include "tests/support/make_mesh.h"
+#include "tests/support/run_command.h"
+#include "tests/support/temporary_folder.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace rt::test {
+namespace {
+
+using testing::HasSubstr;
+
+class GridCli : public testing::Test {
+protected:
+    void SetUp() override { writeMesh(mesh(), makeSphere(3)); }
+
+    std::string mesh() const { return folder_.file("scene.rtmesh"); }
+    std::string atlas() const { return folder_.file("scene.rtatlas"); }
+    std::string bytesOf(const std::string& path) const {
+        const SharedSpan<std::byte> bytes = readFile(path);
+        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+    }
+    CommandResult grid(std::vector<std::string> arguments) const {
+        arguments.insert(arguments.begin(), RT_BIN_DIR "/rt-grid");
+        return runCommand(arguments);
+    }
+    // The exit code is `code`, one line of error was printed, and no file was made.
+    void expectFailure(int code, const std::vector<std::string>& arguments, const std::string& says) const {
+        const std::size_t filesBefore = folder_.entryCount();
+        const CommandResult result = grid(arguments);
+        EXPECT_EQ(result.exitCode, code) << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        EXPECT_EQ(result.err.rfind("rt-grid: error: ", 0), 0u) << result.err;
+        EXPECT_THAT(result.err, HasSubstr(says));
+        EXPECT_EQ(result.out, "");
+        EXPECT_EQ(folder_.entryCount(), filesBefore);
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(GridCli, buildsAnAtlasAndSaysWhatItBuilt) {
+    const CommandResult result =
+        grid({mesh(), "-o", atlas(), "--structure", "cloud", "--resolution", "20x30x40"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_EQ(result.out, "");
+    EXPECT_THAT(result.err, HasSubstr("rt-grid: cloud 20x30x40 = 24000 voxels"));
+    const AtlasFile file = readAtlas(atlas());
+    EXPECT_EQ(file.atlas.grid.dims, glm::uvec4(20, 30, 40, kStructureCloud));
+    EXPECT_EQ(file.atlas.info.meshHash, readMesh(mesh()).contentHash);
+}
+
+TEST_F(GridCli, reportsItsFiguresAsJson) {
+    const CommandResult result = grid({mesh(), "-o", atlas(), "--structure", "uniform", "-q", "--json", "-"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    const Atlas built = readAtlas(atlas()).atlas;
+    EXPECT_EQ(json["structure"], "uniform");
+    EXPECT_EQ(json["resolution"], nlohmann::json({built.grid.dims.x, built.grid.dims.y, built.grid.dims.z}));
+    EXPECT_EQ(json["triangles"], 1280);
+    EXPECT_EQ(json["occupiedVoxels"], built.info.occupiedVoxels);
+    EXPECT_EQ(json["references"], built.info.references);
+    EXPECT_EQ(json["fileBytes"], std::filesystem::file_size(atlas()));
+    for (const char* stage : {"read", "rebase", "bin", "pack", "write"})
+        EXPECT_TRUE(json["stagesMs"].contains(stage));
+    EXPECT_FALSE(json["stagesMs"].contains("proximity"));
+    for (const char* figure : {"buildMs", "trianglesPerSecond", "peakMemoryBytes"})
+        EXPECT_GT(json[figure], 0.0);
+}
+
+TEST_F(GridCli, densityIsVoxelsPerTriangle) {
+    EXPECT_EQ(grid({mesh(), "-o", atlas(), "--density", "50"}).exitCode, 0);
+    EXPECT_NEAR(static_cast<double>(readAtlas(atlas()).atlas.voxelCount()) / 1280.0, 50.0, 4.0);
+}
+
+TEST_F(GridCli, bytesDoNotDependOnThreadsOrPaths) {
+    const std::string other = folder_.file("other.rtatlas");
+    const std::string vdb = folder_.file("a.vdb");
+    const std::string otherVdb = folder_.file("b.vdb");
+    EXPECT_EQ(grid({mesh(), "-o", atlas(), "-j", "1", "--resolution", "65", "--vdb", vdb}).exitCode, 0);
+    EXPECT_EQ(grid({mesh(), "-o", other, "-j", "2", "--resolution", "65", "--vdb", otherVdb}).exitCode, 0);
+    EXPECT_EQ(bytesOf(atlas()), bytesOf(other));
+    EXPECT_EQ(bytesOf(vdb), bytesOf(otherVdb));
+}
+
+TEST_F(GridCli, vdbPrintReadsTheVoxels) {
+    if (!std::filesystem::exists("/usr/bin/vdb_print")) GTEST_SKIP() << "vdb_print is not installed";
+    writeMesh(mesh(), moved(makeSphere(3), 3.0f, glm::vec3(100.0f, 0.0f, 0.0f)));
+    const std::string vdb = folder_.file("scene.vdb");
+    ASSERT_EQ(grid({mesh(), "-o", atlas(), "--resolution", "20x30x40", "--vdb", vdb}).exitCode, 0);
+    const Atlas built = readAtlas(atlas()).atlas;
+    const CommandResult print = runCommand({"/usr/bin/vdb_print", "-l", vdb});
+    ASSERT_EQ(print.exitCode, 0) << print.err;
+    const std::size_t second = print.out.find("Name: distance");
+    ASSERT_NE(second, std::string::npos) << print.out;
+    const std::string occupancy = print.out.substr(0, second);
+    const std::string distance = print.out.substr(second);
+    const auto numberAfter = [](const std::string& text, const std::string& label) {
+        const std::size_t at = text.find(label);
+        return at == std::string::npos ? -1.0 : std::stod(text.substr(at + label.size()));
+    };
+    const auto occupied = static_cast<double>(built.info.occupiedVoxels);
+    EXPECT_EQ(numberAfter(occupancy, "file_voxel_count:"), occupied);
+    EXPECT_EQ(numberAfter(distance, "file_voxel_count:"), 24000.0 - occupied);
+    EXPECT_EQ(numberAfter(distance, "Max value:"), built.info.maxDistance);
+    EXPECT_THAT(occupancy, HasSubstr("Name: occupancy"));
+    // The first voxel's centre, world space: half a voxel inside the sphere's bounds of 97..103, -3..3,
+    // -3..3.
+    const auto centre = [&](int axis) {
+        return (built.grid.gridLo[axis] + 0.5 * built.grid.cellSize[axis]) / built.grid.worldOffset.w +
+               built.grid.worldOffset[axis];
+    };
+    EXPECT_THAT(occupancy,
+                HasSubstr(fmt::format("[{:.3g}, {:.3g}, {:.3g}, 1]", centre(0), centre(1), centre(2))));
+    EXPECT_NEAR(centre(0), 97.0 + 0.5 * 6.0 / 20, 0.05);
+    EXPECT_NEAR(centre(2), -3.0 + 0.5 * 6.0 / 40, 0.05);
+}
+
+TEST_F(GridCli, aUniformGridExportsOccupancyOnly) {
+    if (!std::filesystem::exists("/usr/bin/vdb_print")) GTEST_SKIP() << "vdb_print is not installed";
+    const std::string vdb = folder_.file("scene.vdb");
+    ASSERT_EQ(grid({mesh(), "-o", atlas(), "--structure", "uniform", "--vdb", vdb}).exitCode, 0);
+    const CommandResult print = runCommand({"/usr/bin/vdb_print", vdb});
+    EXPECT_THAT(print.out, HasSubstr("occupancy"));
+    EXPECT_THAT(print.out, testing::Not(HasSubstr("distance")));
+}
+
+TEST_F(GridCli, wrongUsageIs2) {
+    expectFailure(2, {mesh(), "-o", atlas(), "--structure", "octree"}, "octree");
+    expectFailure(2, {mesh(), "-o", atlas(), "--resolution", "0"}, "--resolution");
+    expectFailure(2, {mesh(), "-o", atlas(), "--resolution", "4x4"}, "--resolution");
+    expectFailure(2, {mesh(), "-o", atlas(), "--density", "-1"}, "--density");
+    expectFailure(2, {mesh(), "-o", atlas(), "--density", "4", "--resolution", "4"}, "--density");
+    expectFailure(2, {mesh(), "-o", atlas(), "--max-memory", "lots"}, "--max-memory");
+    expectFailure(2, {mesh(), "-o", atlas(), "--vdb", atlas()}, "two outputs");
+    expectFailure(2, {mesh(), "-o", "-", "--json", "-"}, "standard output");
+    expectFailure(2, {mesh()}, "--output");
+    expectFailure(2, {mesh(), "-o", ""}, "empty");
+}
+
+TEST_F(GridCli, filesThatCannotBeReadOrWrittenAre3) {
+    expectFailure(3, {folder_.file("absent.rtmesh"), "-o", atlas()}, "absent.rtmesh");
+    expectFailure(3, {mesh(), "-o", folder_.file("no/such/folder.rtatlas")}, "folder.rtatlas");
+    expectFailure(3, {mesh(), "-o", atlas(), "--vdb", folder_.file("no/such/folder.vdb")}, "folder.vdb");
+}
+
+TEST_F(GridCli, invalidMeshesAre4) {
+    const std::string whole = bytesOf(mesh());
+    const std::string broken = folder_.file("broken.rtmesh");
+    for (const std::size_t length : {std::size_t(0), std::size_t(10), std::size_t(200), whole.size() - 1}) {
+        writeFile(broken, whole.substr(0, length));
+        expectFailure(4, {broken, "-o", atlas()}, "broken.rtmesh");
+    }
+    writeFile(broken, std::string_view("ply\nformat ascii 1.0\n"));
+    expectFailure(4, {broken, "-o", atlas()}, "broken.rtmesh");
+}
+
+TEST_F(GridCli, requestsBeyondALimitAre5) {
+    expectFailure(5, {mesh(), "-o", atlas(), "--resolution", "1000x1000x1000"}, "1000000000 voxels");
+    expectFailure(5, {mesh(), "-o", atlas(), "--resolution", "1000"}, "536870912");
+    expectFailure(5, {mesh(), "-o", atlas(), "--resolution", "65537"}, "65536");
+    expectFailure(5, {mesh(), "-o", atlas(), "--resolution", "200", "--max-memory", "20M"}, "--max-memory");
+}
+
+TEST_F(GridCli, aFailedRunLeavesTheOldAtlas) {
+    ASSERT_EQ(grid({mesh(), "-o", atlas()}).exitCode, 0);
+    const std::string before = bytesOf(atlas());
+    EXPECT_EQ(grid({mesh(), "-o", atlas(), "--resolution", "1000"}).exitCode, 5);
+    EXPECT_EQ(bytesOf(atlas()), before);
+}
+
+TEST_F(GridCli, helpNamesTheExitCodesAndTheLimits) {
+    const CommandResult result = grid({"--help"});
+    EXPECT_EQ(result.exitCode, 0);
+    EXPECT_THAT(result.out, HasSubstr("Exit codes:"));
+    EXPECT_THAT(result.out, HasSubstr("65536"));
+    EXPECT_THAT(result.out, HasSubstr("75 % of this machine's memory"));
+}
+
+} // namespace
+} // namespace rt::test

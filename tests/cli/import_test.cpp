@@ -1,0 +1,138 @@
+// rt-import as its users meet it: exit codes, one line of error, whole outputs or none.
+#include "tests/support/run_command.h"
+#include "tests/support/scenes.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <fstream>
+
+namespace rt {
+namespace {
+
+using test::CommandResult;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const char* const kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+class ImportCli : public testing::Test {
+protected:
+    std::string write(const std::string& name, const std::string& content) const {
+        std::ofstream(folder_.file(name), std::ios::binary) << content;
+        return folder_.file(name);
+    }
+    static CommandResult run(std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), RT_BIN_DIR "/rt-import");
+        return test::runCommand(arguments);
+    }
+    static std::string read(const std::string& path) {
+        std::ifstream file(path, std::ios::binary);
+        return {std::istreambuf_iterator<char>(file), {}};
+    }
+    void expectRefusal(const std::string& model, int exitCode, const std::string& reason) const {
+        const std::size_t entries = folder_.entryCount();
+        const CommandResult result =
+            run({model, "-o", folder_.file("out.rtmesh"), "--json", folder_.file("out.json")});
+        EXPECT_EQ(result.exitCode, exitCode);
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        EXPECT_THAT(result.err, StartsWith("rt-import: error: " + model));
+        EXPECT_THAT(result.err, HasSubstr(reason));
+        EXPECT_EQ(result.out, "");
+        EXPECT_EQ(folder_.entryCount(), entries) << "something was left behind";
+    }
+
+    test::TemporaryFolder folder_;
+};
+
+TEST_F(ImportCli, WritesMeshReportAndDependencies) {
+    const std::string mesh = folder_.file("pool.rtmesh"), json = folder_.file("pool.json"),
+                      deps = folder_.file("pool.d");
+    const CommandResult result = run({test::poolTablePath(), "-o", mesh, "--json", json, "--depfile", deps});
+    EXPECT_EQ(result.exitCode, 0);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("57184 triangles"));
+    EXPECT_THAT(read(mesh), StartsWith("\x89RTMESH\n"));
+    EXPECT_THAT(read(deps), StartsWith(mesh + ": "));
+    EXPECT_THAT(read(deps), HasSubstr("poolTable.mtl"));
+    EXPECT_THAT(read(deps), HasSubstr("poolCueEnd.png"));
+    const nlohmann::json report = nlohmann::json::parse(read(json));
+    EXPECT_EQ(report["triangles"], 57184);
+    EXPECT_EQ(report["images"], 17);
+    EXPECT_TRUE(report["warnings"].empty());
+    for (const char* key : {"vertices", "weldedVertices", "materials", "droppedFaces", "degenerateTriangles",
+                            "nonManifoldFaces", "generatedNormals", "stagesMs", "peakMemoryBytes", "bounds"})
+        EXPECT_TRUE(report.contains(key)) << key;
+}
+
+TEST_F(ImportCli, SameInputGivesSameBytes) {
+    const std::string model = test::poolTablePath();
+    ASSERT_EQ(run({model, "-o", folder_.file("a.rtmesh"), "-j", "1", "-q"}).exitCode, 0);
+    const CommandResult second = run({model, "-o", "-", "-j", "7", "-q"});
+    EXPECT_EQ(second.err, "");
+    EXPECT_TRUE(second.out == read(folder_.file("a.rtmesh")));
+}
+
+TEST_F(ImportCli, UsageErrorsExitWith2) {
+    const std::string model = write("m.obj", kTriangle);
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{},
+          {model},
+          {model, "-o", ""},
+          {"-o", "x.rtmesh"},
+          {model, "-o", model},
+          {model, "-o", "-", "--json", "-"},
+          {model, "-o", "-", "--depfile", "d"},
+          {model, "-o", folder_.file("x.rtmesh"), "--crease", "200"},
+          {model, "-o", folder_.file("x.rtmesh"), "--bogus"}}) {
+        const CommandResult result = run(arguments);
+        EXPECT_EQ(result.exitCode, 2) << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    }
+    EXPECT_EQ(read(model), kTriangle);
+    EXPECT_EQ(folder_.entryCount(), 1u);
+}
+
+TEST_F(ImportCli, UnreadableFilesExitWith3) {
+    expectRefusal(folder_.file("missing.obj"), 3, "No such file");
+    std::filesystem::create_directory(folder_.file("folder.obj"));
+    expectRefusal(folder_.file("folder.obj"), 3, "is a directory");
+    const std::string model = write("m.obj", kTriangle);
+    EXPECT_EQ(run({model, "-o", folder_.file("no/such/folder.rtmesh")}).exitCode, 3);
+}
+
+TEST_F(ImportCli, ContentThatIsNoModelExitsWith4) {
+    expectRefusal(write("empty.ply", ""), 4, "is empty");
+    expectRefusal(write("model.xyz", kTriangle), 4, "obj, ply, stl, gltf, glb, 3ds");
+    expectRefusal(write("none", kTriangle), 4, "extension ''");
+    const std::string jpeg =
+        "\xff\xd8\xff\xe0" + std::string("\0\x10JFIF\0\1\1\0\0\1\0\1\0\0", 16) + std::string(400, '\x81');
+    for (const char* name : {"jpeg.obj", "jpeg.ply", "jpeg.stl", "jpeg.gltf", "jpeg.glb", "jpeg.3ds"})
+        expectRefusal(write(name, jpeg), 4, "");
+    expectRefusal(write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"), 4, "vertex 1");
+    expectRefusal(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), 4, "no triangles");
+    expectRefusal(write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 30\n"), 4,
+                  "cannot be read as a model");
+}
+
+TEST_F(ImportCli, OversizedTextureExitsWith5) {
+    write("m.mtl", "newmtl m\nmap_Kd wide.ppm\n");
+    write("wide.ppm", "P6\n1 99999\n255\n");
+    const std::string model = write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+    const CommandResult result = run({model, "-o", folder_.file("out.rtmesh")});
+    EXPECT_EQ(result.exitCode, 5);
+    EXPECT_THAT(result.err, HasSubstr("exceeds 16384"));
+    EXPECT_EQ(folder_.entryCount(), 3u);
+}
+
+TEST_F(ImportCli, VersionNamesTheLibraries) {
+    const CommandResult result = run({"--version"});
+    EXPECT_EQ(result.exitCode, 0);
+    EXPECT_THAT(result.out, HasSubstr("Assimp 5."));
+    EXPECT_THAT(result.out, HasSubstr("OpenMesh"));
+}
+
+} // namespace
+} // namespace rt

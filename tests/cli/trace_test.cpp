@@ -1,0 +1,210 @@
+// rt-trace as a user runs it: exit codes, messages, and what it leaves behind.
+#include "formats/atlas_file.h"
+#include "formats/image_exr.h"
+#include "formats/mesh_file.h"
+#include "tests/support/make_mesh.h"
+#include "tests/support/run_command.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+namespace rt {
+namespace {
+
+using test::CommandResult;
+using testing::HasSubstr;
+
+std::string slurp(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void spit(const std::string& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+class TraceCommand : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder = std::make_unique<test::TemporaryFolder>();
+        writeMesh(folder->file("s.rtmesh"), test::makeSphere(3));
+        const CommandResult grid = test::runCommand({RT_BIN_DIR "/rt-grid", folder->file("s.rtmesh"), "-o",
+                                                     folder->file("s.rtatlas"), "--structure", "cloud"});
+        ASSERT_EQ(grid.exitCode, 0) << grid.err;
+    }
+    static void TearDownTestSuite() { folder.reset(); }
+
+    CommandResult trace(std::vector<std::string> arguments) const {
+        arguments.insert(arguments.begin(), RT_BIN_DIR "/rt-trace");
+        return test::runCommand(arguments);
+    }
+    std::string atlas() const { return folder->file("s.rtatlas"); }
+
+    // One line on standard error, that code, and no output.
+    void expectFailure(std::vector<std::string> arguments, int exitCode, const std::string& message) {
+        const std::string output = out.file("out.exr");
+        std::replace(arguments.begin(), arguments.end(), std::string("OUT"), output);
+        const CommandResult result = trace(arguments);
+        EXPECT_EQ(result.exitCode, exitCode) << result.err;
+        EXPECT_THAT(result.err, HasSubstr(message));
+        EXPECT_THAT(result.err, HasSubstr("rt-trace: error: "));
+        EXPECT_EQ(out.entryCount(), 0u) << "something was left behind";
+    }
+
+    static std::unique_ptr<test::TemporaryFolder> folder;
+    test::TemporaryFolder out;
+};
+std::unique_ptr<test::TemporaryFolder> TraceCommand::folder;
+
+TEST_F(TraceCommand, RendersEveryOutputAndTheFigures) {
+    const CommandResult result = trace({atlas(), "-o", out.file("a.exr"), "-o", out.file("a.png"), "--size",
+                                        "64x48", "--stats", "--json", out.file("a.json")});
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("device "));
+    const Image image = readExr(out.file("a.exr"));
+    EXPECT_EQ(image.width, 64u);
+    EXPECT_EQ(image.height, 48u);
+    for (const char* name : {"R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z", "id"})
+        EXPECT_TRUE(image.find(name)) << name;
+    EXPECT_EQ(slurp(out.file("a.png")).substr(1, 3), "PNG");
+    const auto json = nlohmann::json::parse(slurp(out.file("a.json")));
+    for (const char* key : {"gpuMs", "loadMs", "uploadMs", "compileMs", "readbackMs", "writeMs",
+                            "mraysPerSecond", "stepsPerRay", "testsPerRay"})
+        EXPECT_GE(json.at(key).get<double>(), 0.0) << key;
+    EXPECT_GE(json.at("raysTotal").get<std::uint64_t>(), 64u * 48u);
+    EXPECT_TRUE(json.at("device").is_string());
+    EXPECT_EQ(json.at("atlas").at("triangles"), 1280);
+    EXPECT_EQ(json.at("width"), 64);
+    EXPECT_EQ(json.at("features").size(), 9u);
+}
+
+TEST_F(TraceCommand, ReproduciblePicturesAreTheSameBytes) {
+    for (const char* name : {"a.exr", "b.exr"})
+        ASSERT_EQ(trace({atlas(), "-o", out.file(name), "--size", "32", "--reproducible", "-q", "-j",
+                         name[0] == 'a' ? "1" : "2"})
+                      .exitCode,
+                  0);
+    EXPECT_EQ(slurp(out.file("a.exr")), slurp(out.file("b.exr")));
+}
+
+TEST_F(TraceCommand, CameraOptionsMoveThePicture) {
+    ASSERT_EQ(trace({atlas(),    "-o",           out.file("a.exr"), "--size",
+                     "32x32",    "--eye",        "0,0,-3",          "--look-at",
+                     "-0.5,0,0", "--up",         "0,1,0",           "--fov",
+                     "60",       "--light",      "0,0,-5",          "--ambient",
+                     "0",        "--background", "0.5,0.25,0.125",  "--max-depth",
+                     "0"})
+                  .exitCode,
+              0);
+    const Image image = readExr(out.file("a.exr"));
+    EXPECT_EQ(image.find("G")->values[0], 0.25f);
+    EXPECT_EQ(image.find("A")->values[0], 0.0f);
+    EXPECT_NEAR(image.find("Z")->values[16 * 32 + 16], 2.1f, 0.05f);
+    // Picture right is -x, so the sphere at x = 0 stands left of the middle.
+    std::size_t left = 0, right = 0;
+    for (std::size_t i = 0; i < 32 * 32; ++i)
+        (i % 32 < 16 ? left : right) += image.find("id")->uints[i] != 0xFFFFFFFFu;
+    EXPECT_GT(left, right + 20);
+    EXPECT_GT(image.find("G")->values[16 * 32 + 16], 0.1f);
+}
+
+TEST_F(TraceCommand, TracesRaysAndReportsTimes) {
+    const float rays[2][8] = {{0, 0, 5, 0, 0, 0, -1, 1e30f}, {0, 0, 5, 0, 0, 0, 1, 1e30f}};
+    spit(out.file("rays"), std::string(reinterpret_cast<const char*>(rays), sizeof(rays)));
+    ASSERT_EQ(trace({atlas(), "--rays", out.file("rays"), "-o", out.file("hits"), "--repeat", "3", "--stats",
+                     "--json", out.file("j")})
+                  .exitCode,
+              0);
+    const std::string hits = slurp(out.file("hits"));
+    ASSERT_EQ(hits.size(), 32u);
+    float t[2];
+    std::uint32_t id[2];
+    for (std::size_t i = 0; i < 2; ++i) {
+        std::memcpy(&t[i], hits.data() + 16 * i, 4);
+        std::memcpy(&id[i], hits.data() + 16 * i + 12, 4);
+    }
+    EXPECT_NEAR(t[0], 4.0f, 0.02f);
+    EXPECT_LT(id[0], 1280u);
+    EXPECT_EQ(t[1], -1.0f);
+    EXPECT_EQ(id[1], 0xFFFFFFFFu);
+    const auto json = nlohmann::json::parse(slurp(out.file("j")));
+    EXPECT_EQ(json.at("rays"), 2);
+    EXPECT_EQ(json.at("hits"), 1);
+    EXPECT_LE(json.at("minMs").get<double>(), json.at("medianMs").get<double>());
+    EXPECT_GT(json.at("mraysPerSecond").get<double>(), 0.0);
+    EXPECT_EQ(json.at("structure"), "cloud");
+    EXPECT_EQ(json.at("anyHit"), false);
+    EXPECT_EQ(json.at("raysTotal"), 2);
+}
+
+TEST_F(TraceCommand, NoRaysGiveAnEmptyFile) {
+    spit(out.file("rays"), "");
+    ASSERT_EQ(trace({atlas(), "--rays", out.file("rays"), "-o", out.file("hits")}).exitCode, 0);
+    EXPECT_TRUE(std::filesystem::exists(out.file("hits")));
+    EXPECT_EQ(std::filesystem::file_size(out.file("hits")), 0u);
+}
+
+TEST_F(TraceCommand, WrongUsageIs2) {
+    const std::string rays = folder->file("s.rtmesh"); // never read
+    expectFailure({}, 2, "no scene");
+    expectFailure({atlas()}, 2, "-o");
+    expectFailure({atlas(), "-o", out.file("x.jpg")}, 2, ".exr or .png");
+    expectFailure({atlas(), "-o", "OUT", "--size", "0x4"}, 2, "--size");
+    expectFailure({atlas(), "-o", "OUT", "--size", "4x4x4"}, 2, "--size");
+    expectFailure({atlas(), "-o", "OUT", "--eye", "1,2"}, 2, "--eye");
+    expectFailure({atlas(), "-o", "OUT", "--eye", "1,2,nan"}, 2, "--eye");
+    expectFailure({atlas(), "-o", "OUT", "--eye", "1,2,3", "--look-at", "1,2,3"}, 2, "same point");
+    expectFailure({atlas(), "-o", "OUT", "--eye", "0,0,3", "--up", "0,0,1"}, 2, "--up");
+    expectFailure({atlas(), "-o", "OUT", "--fov", "180"}, 2, "--fov");
+    expectFailure({atlas(), "-o", "OUT", "--max-depth", "17"}, 2, "--max-depth");
+    expectFailure({atlas(), "-o", "OUT", "--light", "1,2,3,4"}, 2, "--light");
+    expectFailure({atlas(), "-o", "OUT", "--ambient", "-1"}, 2, "--ambient");
+    expectFailure({atlas(), "-o", "OUT", "--device", "best"}, 2, "--device");
+    expectFailure({atlas(), "-o", "OUT", "--any-hit"}, 2, "--any-hit");
+    expectFailure({atlas(), "-o", "OUT", "--rays", rays, "--size", "4x4"}, 2, "--size");
+    expectFailure({atlas(), "-o", "OUT", "-o", "OUT", "--rays", rays}, 2, "one -o");
+    expectFailure({atlas(), "-o", "OUT", "--unknown"}, 2, "--unknown");
+    expectFailure({atlas(), "-o", ""}, 2, "empty");
+}
+
+TEST_F(TraceCommand, FilesThatCannotBeReadOrWrittenAre3) {
+    expectFailure({out.file("none.rtatlas"), "-o", "OUT"}, 3, "none.rtatlas");
+    expectFailure({atlas(), "-o", out.file("no/folder/a.exr"), "--size", "8"}, 3, "a.exr");
+    expectFailure({atlas(), "-o", "OUT", "--rays", out.file("none.f32")}, 3, "none.f32");
+}
+
+TEST_F(TraceCommand, InvalidContentIs4) {
+    const std::string whole = slurp(atlas());
+    const std::string bad = folder->file("bad.rtatlas");
+    for (const std::size_t size : {std::size_t(0), std::size_t(63), whole.size() / 2, whole.size() - 1}) {
+        spit(bad, whole.substr(0, size));
+        expectFailure({bad, "-o", "OUT"}, 4, "bad.rtatlas");
+    }
+    expectFailure({folder->file("s.rtmesh"), "-o", "OUT"}, 4, "s.rtmesh");
+    spit(folder->file("odd.f32"), std::string(33, '\0'));
+    expectFailure({atlas(), "-o", "OUT", "--rays", folder->file("odd.f32")}, 4, "33 bytes");
+}
+
+TEST_F(TraceCommand, PicturesLargerThanTheDeviceAllowsAre5) {
+    expectFailure({atlas(), "-o", "OUT", "--size", "100000x4"}, 5, "--size 100000x4");
+}
+
+TEST_F(TraceCommand, DevicesThatDoNotExistAre6) {
+    expectFailure({atlas(), "-o", "OUT", "--device", "999"}, 6, "--device 999");
+}
+
+TEST_F(TraceCommand, ListsDevicesWithTheirIndex) {
+    const CommandResult result = trace({"--list-devices"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_EQ(result.out.substr(0, 3), "0  ");
+    EXPECT_THAT(result.out, HasSubstr("ware  "));
+}
+
+} // namespace
+} // namespace rt

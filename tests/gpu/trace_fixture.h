@@ -1,0 +1,53 @@
+#pragma once
+#include "tests/support/make_mesh.h"
+#include "tools/rt-grid/build_atlas.h"
+#include "tools/rt-trace/gl_context.h"
+#include "tools/rt-trace/ray_query.h"
+#include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/upload_atlas.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace rt::test {
+
+/// One GL context for all tests of a suite: the device that rt-trace itself would take.
+class OnGpu : public testing::Test {
+protected:
+    static void SetUpTestSuite() { context = GlContext::open("auto", 0); }
+    static void TearDownTestSuite() { context.reset(); }
+    static inline std::unique_ptr<GlContext> context;
+
+    static const GlLimits& limits() { return context->limits(); }
+};
+
+inline Atlas makeAtlas(const Mesh& mesh, std::uint32_t structure, glm::uvec3 dims) {
+    BuildOptions options;
+    options.structure = structure;
+    options.resolution.exact = dims;
+    StageTimer timer;
+    return buildAtlas({mesh, 0}, "mesh", options, timer);
+}
+
+struct QuerySettings {
+    bool anyHit = false;
+    std::optional<ResourceLimits> limits; ///< the device's if absent
+    std::uint64_t maxBatch = ~std::uint64_t(0);
+};
+
+inline std::vector<QueryHit> traceQuery(const GlContext& context, const Atlas& atlas,
+                                        const std::vector<QueryRay>& rays,
+                                        const QuerySettings& settings = {}) {
+    const ResourceLimits limits = settings.limits.value_or(context.limits().resources);
+    const ResourcePlan plan =
+        planResources(atlas, queryFeatures(atlas, settings.anyHit), ShaderKind::Query, limits, "atlas");
+    const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, "atlas");
+    const GpuRays gpuRays(rays, false, context.limits(), settings.maxBatch);
+    const GlProgram program = compileVariant(plan);
+    gpuAtlas.bind();
+    gpuRays.trace(program, context.device().software);
+    return gpuRays.readHits();
+}
+
+} // namespace rt::test

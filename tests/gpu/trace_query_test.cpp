@@ -1,0 +1,229 @@
+// Ray queries against brute force in double precision, and rays that are hard to trace.
+#include "tests/gpu/trace_fixture.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+
+namespace rt {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kDenormal = 1e-40f;
+
+QueryRay ray(const glm::vec3& origin, const glm::vec3& direction, float tMin = 0.0f, float tMax = 1e30f) {
+    return {glm::vec4(origin, tMin), glm::vec4(direction, tMax)};
+}
+
+float distanceOf(const QueryHit& hit) {
+    return std::bit_cast<float>(hit.tuvId.x);
+}
+bool isMiss(const QueryHit& hit) {
+    return hit.tuvId.w == kNoTriangle;
+}
+
+bool sameBytes(const std::vector<QueryHit>& a, const std::vector<QueryHit>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(QueryHit)) == 0;
+}
+
+// Moller & Trumbore 1997 in double precision. `margin` is how far inside the triangle the point is, in
+// barycentric units; negative outside.
+struct ExactHit {
+    double t = std::numeric_limits<double>::infinity();
+    double margin = -1.0;
+};
+
+ExactHit intersectExactly(const Mesh& mesh, std::size_t triangle, const QueryRay& query) {
+    const glm::uvec3& corners = mesh.triangles[triangle];
+    const glm::dvec3 v0(mesh.positions[corners.x]), v1(mesh.positions[corners.y]),
+        v2(mesh.positions[corners.z]);
+    const glm::dvec3 direction(query.directionTmax);
+    const glm::dvec3 p = glm::cross(direction, v2 - v0);
+    const double determinant = glm::dot(v1 - v0, p);
+    if (determinant == 0.0) return {};
+    const glm::dvec3 fromV0 = glm::dvec3(query.originTmin) - v0;
+    const glm::dvec3 q = glm::cross(fromV0, v1 - v0);
+    const double u = glm::dot(fromV0, p) / determinant;
+    const double v = glm::dot(direction, q) / determinant;
+    return {glm::dot(v2 - v0, q) / determinant, std::min({u, v, 1.0 - u - v})};
+}
+
+bool isWithin(double t, const QueryRay& query, double slack) {
+    return t >= query.originTmin.w - slack * std::abs(t) && t <= query.directionTmax.w * (1.0 + slack);
+}
+
+constexpr double kEdge = 1e-5; // barycentric distance from an edge within which float and double may disagree
+constexpr double kClose = 1e-5; // relative difference of t, likewise
+
+// Distance of the nearest hit that no rounding can take away; infinite if there is none.
+double nearestCertainHit(const Mesh& mesh, const QueryRay& query) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const ExactHit hit = intersectExactly(mesh, i, query);
+        if (hit.margin > kEdge && isWithin(hit.t, query, -kClose)) nearest = std::min(nearest, hit.t);
+    }
+    return nearest;
+}
+
+// A found hit must be a real one, with no certain hit nearer; a miss means that there is no certain hit.
+void expectNearest(const Mesh& mesh, const QueryRay& query, const QueryHit& found) {
+    const double nearest = nearestCertainHit(mesh, query);
+    if (isMiss(found)) {
+        EXPECT_EQ(nearest, std::numeric_limits<double>::infinity());
+        EXPECT_EQ(distanceOf(found), -1.0f);
+        EXPECT_EQ(glm::uvec2(found.tuvId.y, found.tuvId.z), glm::uvec2(0));
+        return;
+    }
+    ASSERT_LT(found.tuvId.w, mesh.triangles.size());
+    const ExactHit exact = intersectExactly(mesh, found.tuvId.w, query);
+    EXPECT_GT(exact.margin, -kEdge);
+    EXPECT_NEAR(distanceOf(found), exact.t, kClose * std::abs(exact.t) + 1e-6);
+    EXPECT_TRUE(isWithin(exact.t, query, kClose));
+    EXPECT_LE(exact.t, nearest * (1.0 + kClose));
+}
+
+std::vector<QueryRay> randomRays(const Mesh& mesh, std::size_t count) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+    std::normal_distribution<float> normal;
+    const Bounds bounds = boundsOf(mesh);
+    std::vector<QueryRay> rays;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 inside =
+            bounds.lo + bounds.extent() * glm::vec3(unit(random), unit(random), unit(random));
+        const glm::vec3 direction(normal(random), normal(random), normal(random));
+        const glm::vec3 origin = i % 2 ? inside : inside - 3.0f * direction;
+        const float tMin = i % 8 == 3 ? 0.3f * unit(random) : 0.0f;
+        rays.push_back(ray(origin, direction, tMin, i % 8 >= 6 ? tMin + 0.5f * unit(random) : 1e30f));
+    }
+    return rays;
+}
+
+// Rays that start on voxel faces or run along axes, in voxel faces, or into corners.
+std::vector<QueryRay> alignedRays() {
+    std::vector<QueryRay> rays;
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float sign : {1.0f, -1.0f})
+            for (const float still : {0.0f, -0.0f, kDenormal, -kDenormal, 1e-30f})
+                for (int a = -1; a <= 9; ++a)
+                    for (const float b : {-0.25f, 0.0f, 0.3f, 0.5f, 1.0f}) {
+                        glm::vec3 direction(still);
+                        direction[axis] = sign;
+                        glm::vec3 origin(b);
+                        origin[(axis + 1) % 3] = float(a) / 8.0f;
+                        for (const float start : {-2.0f, 0.0f, 0.125f, 0.4f, 1.0f, 3.0f}) {
+                            origin[axis] = start;
+                            rays.push_back(ray(origin, direction));
+                        }
+                    }
+    return rays;
+}
+
+class RayQuery : public test::OnGpu {
+protected:
+    void expectAgreement(const Mesh& mesh, const std::vector<QueryRay>& rays, glm::uvec3 dims) {
+        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud}) {
+            const Atlas atlas = test::makeAtlas(mesh, structure, dims);
+            const auto hits = test::traceQuery(*context, atlas, rays);
+            const auto anyHits = test::traceQuery(*context, atlas, rays, {.anyHit = true, .limits = {}});
+            ASSERT_EQ(hits.size(), rays.size());
+            for (std::size_t i = 0; i < rays.size() && !HasFailure(); ++i) {
+                SCOPED_TRACE(testing::Message() << "structure " << structure << ", ray " << i);
+                expectNearest(mesh, rays[i], hits[i]);
+                EXPECT_EQ(isMiss(anyHits[i]), isMiss(hits[i]));
+                if (isMiss(anyHits[i])) continue;
+                const ExactHit exact = intersectExactly(mesh, anyHits[i].tuvId.w, rays[i]);
+                EXPECT_GT(exact.margin, -kEdge);
+                EXPECT_TRUE(isWithin(exact.t, rays[i], kClose));
+            }
+        }
+    }
+};
+
+TEST_F(RayQuery, EqualsBruteForceInATriangleSoup) {
+    const Mesh mesh = test::makeRandomTriangles(400, 5, 0.15f);
+    expectAgreement(mesh, randomRays(mesh, 6000), {13, 9, 16});
+}
+
+TEST_F(RayQuery, EqualsBruteForceOnASphereFarFromTheOrigin) {
+    const Mesh mesh = test::moved(test::makeSphere(2), 0.5f, {1024.0f, -512.0f, 64.0f});
+    expectAgreement(mesh, randomRays(mesh, 6000), {8, 8, 8});
+}
+
+TEST_F(RayQuery, EqualsBruteForceInAGridOfOneVoxelAndInAFlatOne) {
+    const Mesh mesh = test::makeRandomTriangles(50, 6, 0.3f);
+    expectAgreement(mesh, randomRays(mesh, 2000), {1, 1, 1});
+    expectAgreement(mesh, randomRays(mesh, 2000), {32, 1, 3});
+}
+
+TEST_F(RayQuery, EqualsBruteForceForRaysAlongAxesAndFaces) {
+    // The soup's grid is near the unit cube; the rays run at multiples of 1/8, of which some are voxel faces.
+    expectAgreement(test::makeRandomTriangles(200, 7, 0.2f), alignedRays(), {8, 8, 8});
+}
+
+TEST_F(RayQuery, RaysWithoutADirectionMissAndEnd) {
+    const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureCloud, {8, 8, 8});
+    std::vector<QueryRay> rays = {ray({0, 0, 0}, {0, 0, 0}), ray({0, 0, 0}, {-0.0f, 0, -0.0f})};
+    for (const float bad : {kNan, kInfinity, -kInfinity}) {
+        rays.push_back(ray({0, 0, 0}, {bad, 1, 1}));
+        rays.push_back(ray({0, 0, 0}, {1, 1, bad}));
+        rays.push_back(ray({0, bad, 0}, {1, 1, 1}));
+    }
+    for (const QueryHit& hit : test::traceQuery(*context, atlas, rays)) EXPECT_TRUE(isMiss(hit));
+}
+
+TEST_F(RayQuery, LengthOfTheDirectionScalesTOnly) {
+    const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureCloud, {8, 8, 8});
+    for (const float length : {1e-30f, 1e-10f, 0.3f, 1.0f, 7.0f, 1e10f, 1e30f}) {
+        const auto hit =
+            test::traceQuery(*context, atlas, {ray({0.1f, 0.2f, 0.0f}, {0, 0, length}, 0.0f, kInfinity)})[0];
+        EXPECT_FALSE(isMiss(hit)) << length;
+        EXPECT_NEAR(distanceOf(hit) * length, 0.5f, 1e-5f) << length;
+    }
+}
+
+TEST_F(RayQuery, KeepsToTMinAndTMax) {
+    const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureCloud, {8, 8, 8});
+    const glm::vec3 origin(0.1f, 0.2f, -2.5f); // the cube's faces are at t = 2 and t = 3
+    struct Case {
+        float tMin, tMax, expected;
+    };
+    const Case cases[] = {{0, 1e30f, 2},  {1.99f, 9, 2},  {2.01f, 9, 3},      {2.01f, 2.99f, -1},
+                          {0, 1.99f, -1}, {3.01f, 9, -1}, {9, 1, -1},         {2, 2, 2},
+                          {kNan, 9, -1},  {0, kNan, -1},  {-9, kInfinity, 2}, {0, -1, -1}};
+    for (const bool anyHit : {false, true})
+        for (const Case& c : cases) {
+            const auto hit = test::traceQuery(*context, atlas, {ray(origin, {0, 0, 1}, c.tMin, c.tMax)},
+                                              {.anyHit = anyHit, .limits = {}})[0];
+            if (!anyHit || c.expected < 0.0f || c.tMin > 2.0f || c.tMax < 3.0f)
+                EXPECT_NEAR(distanceOf(hit), c.expected, 1e-5f)
+                    << c.tMin << " " << c.tMax << " any " << anyHit;
+            else
+                EXPECT_FALSE(isMiss(hit));
+        }
+}
+
+TEST_F(RayQuery, PagesSlabsAndBatchesDoNotChangeAHit) {
+    const Mesh mesh = test::makeRandomTriangles(300, 8, 0.1f);
+    const Atlas atlas = test::makeAtlas(mesh, kStructureCloud, {10, 12, 40});
+    const std::vector<QueryRay> rays = randomRays(mesh, 5000);
+    const auto whole = test::traceQuery(*context, atlas, rays);
+    ResourceLimits tiny = limits().resources;
+    tiny.storageBlockBytes = atlas.references.size() * 4 / 3; // 3 to 6 pages
+    tiny.textureSize3D = 12;                                  // slabs of 8
+    EXPECT_TRUE(sameBytes(whole, test::traceQuery(*context, atlas, rays, {.limits = tiny})));
+    EXPECT_TRUE(sameBytes(whole, test::traceQuery(*context, atlas, rays, {.limits = {}, .maxBatch = 777})));
+}
+
+TEST_F(RayQuery, NoRaysGiveNoHits) {
+    const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureUniform, {2, 2, 2});
+    EXPECT_TRUE(test::traceQuery(*context, atlas, {}).empty());
+}
+
+} // namespace
+} // namespace rt

@@ -1,0 +1,241 @@
+// Pictures: shader variants, and what a picture holds.
+#include "formats/image.h"
+#include "tests/gpu/trace_fixture.h"
+#include "tools/rt-trace/lights.h"
+#include "tools/rt-trace/render.h"
+#include "tools/rt-trace/render_image.h"
+
+#include <glm/geometric.hpp>
+#include <glm/mat4x4.hpp>
+
+#include <cmath>
+#include <cstring>
+
+namespace rt {
+namespace {
+
+constexpr glm::uvec2 kSize(70, 37); // no multiple of the tile size
+
+BoundsD boundsOfAtlas(const Atlas& atlas) {
+    const AtlasInfo& info = atlas.info;
+    return {{info.worldLo[0], info.worldLo[1], info.worldLo[2]},
+            {info.worldHi[0], info.worldHi[1], info.worldHi[2]}};
+}
+
+CameraPose defaultPose(const Atlas& atlas) {
+    return placeCamera({}, boundsOfAtlas(atlas), double(kSize.x) / kSize.y);
+}
+
+class Rendering : public test::OnGpu {
+protected:
+    struct Result {
+        FilmPixels pixels;
+        std::vector<glm::uvec4> counters;
+    };
+
+    static Result render(const Atlas& atlas, const SceneFeatures& features,
+                         const std::optional<ResourceLimits>& resourceLimits = {}) {
+        const CameraPose pose = defaultPose(atlas);
+        const auto lights = chooseLights({}, atlas, boundsOfAtlas(atlas), pose);
+        const ResourcePlan plan = planResources(atlas, features, ShaderKind::Render,
+                                                resourceLimits.value_or(limits().resources), "atlas");
+        const GpuAtlas gpuAtlas = uploadAtlas(
+            atlas, plan, limits(), static_cast<unsigned>(features.hasLights ? lights.size() : 0), "atlas");
+        CameraParams camera = cameraInAtlas(pose, double(kSize.x) / kSize.y, atlas.grid);
+        camera.background = glm::vec4(0.25f, 0.5f, 0.75f, 0.0f);
+        camera.ambient = glm::vec4(0.1f);
+        camera.size = {kSize, 0, 0};
+        const GpuView view(camera, lights);
+        const Film film(kSize, features.countWork, limits());
+        const GlProgram program = compileVariant(plan);
+        gpuAtlas.bind();
+        view.bind();
+        film.bind();
+        warmUpRender(program, view);
+        renderRows(program, view, *context);
+        return {film.read(), features.countWork ? film.readCounters() : std::vector<glm::uvec4>()};
+    }
+
+    static SceneFeatures featuresOf(const Atlas& atlas) { return renderFeatures(atlas, 4, 2); }
+};
+
+Mesh withMaterial(Mesh mesh, const Material& material) {
+    mesh.materials = std::vector<Material>{material};
+    return mesh;
+}
+
+float largestDifference(const FilmPixels& a, const FilmPixels& b) {
+    float largest = a.ids == b.ids ? 0.0f : 1e9f;
+    for (std::size_t i = 0; i < a.colors.size(); ++i)
+        for (int c = 0; c < 4; ++c)
+            largest = std::max({largest, std::abs(a.colors[i][c] - b.colors[i][c]),
+                                std::abs(a.surfaces[i][c] - b.surfaces[i][c])});
+    return largest;
+}
+
+TEST_F(Rendering, EverySingleFeatureVariantCompiles) {
+    const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureUniform, {2, 2, 2});
+    SceneFeatures all;
+    const auto compiles = [&](const SceneFeatures& features) {
+        for (const ShaderKind kind : {ShaderKind::Render, ShaderKind::Query})
+            EXPECT_NO_THROW(compileVariant(planResources(atlas, features, kind, limits().resources, "atlas")))
+                << featureDefines(features);
+    };
+    compiles(all);
+    for (const FeatureRow& row : featureTable()) {
+        SceneFeatures one;
+        one.*row.field = all.*row.field = row.field == &SceneFeatures::maxDepth ? 16 : 1;
+        compiles(one);
+    }
+    compiles(all);
+}
+
+TEST_F(Rendering, AFeatureThatTheSceneDoesNotUseDoesNotChangeThePicture) {
+    const Atlas atlas = test::makeAtlas(test::makeSphere(2), kStructureCloud, {8, 8, 8});
+    const FilmPixels plain = render(atlas, featuresOf(atlas)).pixels;
+    for (const auto feature : {&SceneFeatures::hasTextures, &SceneFeatures::hasReflection,
+                               &SceneFeatures::hasTransmission, &SceneFeatures::hasEmission}) {
+        SceneFeatures features = featuresOf(atlas);
+        features.*feature = 1;
+        features.maxDepth = 4;
+        EXPECT_LE(largestDifference(plain, render(atlas, features).pixels), 1e-6f);
+    }
+}
+
+TEST_F(Rendering, AFeatureThatTheSceneUsesDoesChangeThePicture) {
+    Material material = test::greyMaterial();
+    material.optics = glm::vec4(0.3f, 0.4f, 1.5f, 0.0f);
+    material.emission = glm::vec4(0.2f, 0.1f, 0.0f, 0.0f);
+    const Atlas atlas =
+        test::makeAtlas(withMaterial(test::makeSphere(2), material), kStructureCloud, {8, 8, 8});
+    const SceneFeatures all = featuresOf(atlas);
+    const FilmPixels full = render(atlas, all).pixels;
+    EXPECT_EQ(countNonFinite(full), 0u);
+    for (const auto feature :
+         {&SceneFeatures::hasReflection, &SceneFeatures::hasTransmission, &SceneFeatures::hasEmission,
+          &SceneFeatures::hasLights, &SceneFeatures::maxDepth}) {
+        SceneFeatures features = all;
+        features.*feature = 0;
+        EXPECT_GT(largestDifference(full, render(atlas, features).pixels), 0.01f);
+    }
+}
+
+TEST_F(Rendering, ShowsTheTexture) {
+    Mesh mesh = test::makeTexturedSquare({{2, 1}});
+    mesh.pixels = std::vector<std::uint32_t>{0xFF0000FFu, 0xFFFF0000u}; // red on the left, blue on the right
+    const Atlas atlas = test::makeAtlas(mesh, kStructureCloud, {4, 4, 1});
+    const FilmPixels pixels = render(atlas, featuresOf(atlas)).pixels;
+    double leftRed = 0.0, leftBlue = 0.0, rightRed = 0.0, rightBlue = 0.0;
+    for (std::size_t i = 0; i < pixels.ids.size(); ++i) {
+        if (pixels.ids[i] == kNoTriangle) continue;
+        const bool left = i % kSize.x < kSize.x / 2;
+        (left ? leftRed : rightRed) += pixels.colors[i].r;
+        (left ? leftBlue : rightBlue) += pixels.colors[i].b;
+    }
+    EXPECT_GT(leftRed, 2.0 * leftBlue);
+    EXPECT_GT(rightBlue, 2.0 * rightRed);
+}
+
+TEST_F(Rendering, PagesAndSlabsDoNotChangeThePicture) {
+    const Atlas atlas =
+        test::makeAtlas(test::makeTexturedSquare({{16, 16}, {8, 8}}), kStructureCloud, {4, 4, 9});
+    ResourceLimits tiny = limits().resources;
+    tiny.storageBlockBytes = 48; // one triangle a page
+    tiny.textureSize3D = 4;
+    const FilmPixels whole = render(atlas, featuresOf(atlas)).pixels;
+    EXPECT_EQ(largestDifference(whole, render(atlas, featuresOf(atlas), tiny).pixels), 0.0f);
+}
+
+TEST_F(Rendering, CountsWorkWithoutChangingThePicture) {
+    const Atlas atlas = test::makeAtlas(test::makeSphere(2), kStructureCloud, {8, 8, 8});
+    SceneFeatures features = featuresOf(atlas);
+    const FilmPixels plain = render(atlas, features).pixels;
+    features.countWork = 1;
+    const Result counted = render(atlas, features);
+    EXPECT_LE(largestDifference(plain, counted.pixels), 1e-6f);
+    for (std::size_t i = 0; i < counted.counters.size(); ++i) {
+        const glm::uvec4& counter = counted.counters[i];
+        const bool hit = plain.ids[i] != kNoTriangle;
+        ASSERT_GE(counter.x, 1u);
+        ASSERT_LE(counter.x, hit ? 3u : 1u); // the primary ray, and one to each light
+        ASSERT_GE(counter.z, hit ? 1u : 0u);
+    }
+    const WorkTotals totals = sumWork(counted.counters);
+    EXPECT_GT(totals.rays, counted.counters.size());
+    EXPECT_GT(totals.steps, totals.rays / 2);
+}
+
+TEST_F(Rendering, WorkIsSummedIn64Bits) {
+    const std::vector<glm::uvec4> counters(3, glm::uvec4(0xFFFFFFFFu, 0x80000000u, 1u, 0u));
+    const WorkTotals totals = sumWork(counters);
+    EXPECT_EQ(totals.rays, 3ull * 0xFFFFFFFFu);
+    EXPECT_EQ(totals.steps, 3ull * 0x80000000u);
+    EXPECT_EQ(totals.tests, 3u);
+}
+
+const ImageChannel& channel(const Image& image, const char* name) {
+    return *image.find(name);
+}
+
+// p' = p M for a row vector p.
+glm::vec4 transformed(const glm::dvec3& point, const std::vector<float>& matrix) {
+    const double p[4] = {point.x, point.y, point.z, 1.0};
+    glm::vec4 result(0.0f);
+    for (std::size_t column = 0; column < 4; ++column)
+        for (std::size_t row = 0; row < 4; ++row)
+            result[static_cast<int>(column)] += static_cast<float>(p[row] * matrix[row * 4 + column]);
+    return result;
+}
+
+TEST_F(Rendering, ImageHoldsDepthNormalIdAndMatrices) {
+    const Mesh mesh = test::moved(test::makeSphere(3), 2.0f, {10.0f, 20.0f, 30.0f});
+    const Atlas atlas = test::makeAtlas(mesh, kStructureCloud, {16, 16, 16});
+    const CameraPose pose = defaultPose(atlas);
+    const FilmPixels pixels = render(atlas, featuresOf(atlas)).pixels;
+    const Image image = toImage(kSize, pixels, {pose, 1, 2, "renderer", std::nullopt});
+    const CameraBasis basis = basisOf(pose, double(kSize.x) / kSize.y);
+    const glm::dvec3 centre(10, 20, 30);
+    std::size_t hits = 0;
+    for (unsigned y = 0; y < kSize.y; ++y)
+        for (unsigned x = 0; x < kSize.x; ++x) {
+            const std::size_t i = std::size_t(y) * kSize.x + x;
+            const float depth = channel(image, "Z").values[i];
+            if (channel(image, "id").uints[i] == kNoTriangle) {
+                ASSERT_EQ(depth, 0.0f);
+                ASSERT_EQ(channel(image, "A").values[i], 0.0f);
+                ASSERT_EQ(channel(image, "G").values[i], 0.5f);
+                continue;
+            }
+            ++hits;
+            const glm::dvec2 ndc(2.0 * (x + 0.5) / kSize.x - 1.0, 1.0 - 2.0 * (y + 0.5) / kSize.y);
+            const glm::dvec3 point =
+                pose.eye + double(depth) * (basis.forward + basis.right * (basis.halfWidth * ndc.x) +
+                                            basis.up * (basis.halfHeight * ndc.y));
+            ASSERT_NEAR(glm::distance(point, centre), 2.0, 0.02);
+            const glm::dvec3 normal(channel(image, "N.X").values[i], channel(image, "N.Y").values[i],
+                                    channel(image, "N.Z").values[i]);
+            ASSERT_GT(glm::dot(normal, (point - centre) / 2.0), 0.99);
+            const glm::vec4 inCamera = transformed(point, image.matrices.at("worldToCamera"));
+            ASSERT_NEAR(inCamera.z, depth, 1e-4f);
+            const glm::vec4 clip = transformed(point, image.matrices.at("worldToNDC"));
+            ASSERT_NEAR(clip.x / clip.w, ndc.x, 1e-4);
+            ASSERT_NEAR(clip.y / clip.w, ndc.y, 1e-4);
+            ASSERT_NEAR(clip.z / clip.w, 1.0f / depth, 1e-4f);
+        }
+    EXPECT_GT(hits, kSize.x * kSize.y / 10u);
+    EXPECT_EQ(image.texts.at("rt:atlasHash"), "0000000000000002");
+    EXPECT_EQ(image.floats.count("renderTimeSeconds"), 0u);
+}
+
+TEST(NonFinitePixels, AreCounted) {
+    FilmPixels pixels{
+        std::vector<glm::vec4>(4, glm::vec4(1.0f)), std::vector<glm::vec4>(4, glm::vec4(0.0f)), {0, 0, 0, 0}};
+    EXPECT_EQ(countNonFinite(pixels), 0u);
+    pixels.colors[1].g = std::nanf("");
+    pixels.colors[2].b = -INFINITY;
+    pixels.surfaces[3].w = INFINITY;
+    EXPECT_EQ(countNonFinite(pixels), 3u);
+}
+
+} // namespace
+} // namespace rt

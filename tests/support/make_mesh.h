@@ -1,0 +1,40 @@
+#pragma once
+#include "formats/mesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rt::test {
+
+// Meshes made in code. Each is valid per rt::validate(), has one grey matt material, no texture coordinates,
+// no lights and no images, unless it says otherwise.
+
+/// The material that all of them have: white-ish, diffuse, no image.
+Material greyMaterial();
+
+/// Mesh of the given corners, three per triangle, not shared between triangles; flat normals.
+Mesh makeTriangles(const std::vector<glm::vec3>& corners);
+
+/// Closed sphere around the origin: an icosahedron split `subdivisions` times, 20 * 4^subdivisions triangles,
+/// shared vertices, smooth outward normals.
+Mesh makeSphere(int subdivisions, float radius = 1.0f);
+
+/// Closed box of 12 triangles, 24 vertices, flat outward normals.
+Mesh makeBox(const glm::vec3& lo, const glm::vec3& hi);
+
+/// makeBox() from -0.5 to 0.5.
+Mesh makeCube();
+
+/// `count` separate triangles with corners up to `size` from centres that are uniform in the unit cube.
+/// Same seed, same mesh.
+Mesh makeRandomTriangles(std::size_t count, std::uint64_t seed, float size = 0.1f);
+
+/// A unit square in the plane z = 0 with texture coordinates over the whole image, and the given images
+/// (width, height each), of which it shows the first. Pixel i of the whole array is 0xFF000000 + i.
+Mesh makeTexturedSquare(const std::vector<glm::uvec2>& imageSizes);
+
+/// The mesh with each position p replaced by p * scale + offset.
+Mesh moved(const Mesh& mesh, float scale, const glm::vec3& offset);
+
+} // namespace rt::test

@@ -1,0 +1,235 @@
+// .rtmesh and .rtatlas: what is written comes back, and a file that was damaged anywhere is refused.
+#include "common/error.h"
+#include "formats/atlas_file.h"
+#include "formats/mesh_file.h"
+#include "formats/section_file.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <iterator>
+
+namespace rt {
+namespace {
+
+Material greyMaterial(std::uint32_t image) {
+    return {glm::vec4(0.5f, 0.5f, 0.5f, 1.0f), glm::vec4(0.0f), glm::vec4(0.25f, 0.5f, 1.5f, 0.0f),
+            glm::uvec4(image, kNoImage, kNoImage, kNoImage)};
+}
+
+Mesh smallMesh() {
+    Mesh mesh;
+    mesh.positions = std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5f}};
+    mesh.normals = std::vector<glm::vec3>(4, glm::vec3(0, 0, 1));
+    mesh.texcoords = std::vector<glm::vec2>{{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+    mesh.triangles = std::vector<glm::uvec3>{{0, 1, 2}, {1, 3, 2}};
+    mesh.triangleMaterial = std::vector<std::uint32_t>{0, 0};
+    mesh.materials = std::vector<Material>{greyMaterial(0)};
+    mesh.lights = std::vector<Light>{{glm::vec4(1, 2, 3, 0), glm::vec4(4, 5, 6, 0)}};
+    mesh.images = std::vector<MeshImage>{{2, 1, kWrapRepeat, kWrapClamp, 0}};
+    mesh.pixels = std::vector<std::uint32_t>{0xFF0000FFu, 0xFF00FF00u};
+    return mesh;
+}
+
+Atlas smallAtlas() {
+    Atlas atlas;
+    atlas.grid.gridLo = glm::vec4(-0.25f, -0.25f, -0.25f, 0.0f);
+    atlas.grid.cellSize = glm::vec4(1.5f, 1.5f, 1.0f, 0.0f);
+    atlas.grid.cellsPerUnit = glm::vec4(1 / 1.5f, 1 / 1.5f, 1.0f, 0.0f);
+    atlas.grid.worldOffset = glm::vec4(0, 0, 0, 0.5f);
+    atlas.grid.dims = glm::uvec4(2, 1, 1, kStructureCloud);
+    atlas.grid.counts = glm::uvec4(2, 4, 1, 1);
+    atlas.voxels = std::vector<std::uint32_t>{kOccupiedBit | 0u, 1u};
+    atlas.references = std::vector<std::uint32_t>{2, 0, 1};
+    std::vector<TriangleRecord> triangles(2);
+    triangles[0] = {{0, 0, 0, 0}, {0.5f, 0, 0, 0}, {0, 0.5f, 0, 0}};
+    triangles[1] = {{0.5f, 0, 0, std::bit_cast<float>(1u)}, {0.5f, 0.5f, 0.25f, 0}, {0, 0.5f, 0, 0}};
+    atlas.triangles = std::move(triangles);
+    atlas.triangleVertices = std::vector<glm::uvec4>{{0, 1, 2, 0}, {1, 3, 2, 0}};
+    atlas.normals = std::vector<std::uint32_t>(4, 0u);
+    atlas.texcoords = std::vector<glm::vec2>{{0, 0}, {1, 0}, {0, 1}, {1, 1}};
+    atlas.materials = std::vector<Material>{greyMaterial(0)};
+    atlas.lights = std::vector<Light>{{glm::vec4(1, 2, 3, 0), glm::vec4(4, 5, 6, 0)}};
+    atlas.images = std::vector<ImagePlace>{{{0, 0, 2, 1}, {0, 0, 0, 0}}};
+    atlas.pages = std::vector<std::uint32_t>{0xFF0000FFu, 0xFF00FF00u};
+    atlas.info.pageWidth = 2;
+    atlas.info.pageHeight = atlas.info.pageCount = 1;
+    return atlas;
+}
+
+template <class T>
+std::string bytes(const SharedSpan<T>& values) {
+    return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
+std::string slurp(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void spill(const std::string& path, const std::string& content) {
+    std::ofstream(path, std::ios::binary | std::ios::trunc) << content;
+}
+
+ErrorKind failureOf(const std::function<void()>& read) {
+    try {
+        read();
+    } catch (const Error& error) {
+        return error.kind();
+    }
+    return ErrorKind::Internal; // it was accepted
+}
+
+void expectEveryDamageIsRefused(const std::string& path, const std::function<void()>& read) {
+    const std::string good = slurp(path);
+    ASSERT_GT(good.size(), 500u);
+    for (std::size_t length = 0; length < good.size(); ++length) {
+        spill(path, good.substr(0, length));
+        ASSERT_EQ(failureOf(read), ErrorKind::InvalidContent) << "cut to " << length << " bytes";
+    }
+    spill(path, good + '\0');
+    EXPECT_EQ(failureOf(read), ErrorKind::InvalidContent) << "one byte more";
+    for (std::size_t i = 0; i < good.size(); ++i) {
+        std::string bad = good;
+        bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
+        spill(path, bad);
+        ASSERT_EQ(failureOf(read), ErrorKind::InvalidContent) << "byte " << i;
+    }
+    spill(path, good);
+    EXPECT_NO_THROW(read());
+}
+
+TEST(MeshFile, ComesBackAsItWasWritten) {
+    const test::TemporaryFolder folder;
+    const Mesh mesh = smallMesh();
+    writeMesh(folder.file("a.rtmesh"), mesh);
+    const Mesh back = readMesh(folder.file("a.rtmesh")).mesh;
+    EXPECT_EQ(bytes(back.positions), bytes(mesh.positions));
+    EXPECT_EQ(bytes(back.normals), bytes(mesh.normals));
+    EXPECT_EQ(bytes(back.texcoords), bytes(mesh.texcoords));
+    EXPECT_EQ(bytes(back.triangles), bytes(mesh.triangles));
+    EXPECT_EQ(bytes(back.triangleMaterial), bytes(mesh.triangleMaterial));
+    EXPECT_EQ(bytes(back.materials), bytes(mesh.materials));
+    EXPECT_EQ(bytes(back.lights), bytes(mesh.lights));
+    EXPECT_EQ(bytes(back.images), bytes(mesh.images));
+    EXPECT_EQ(bytes(back.pixels), bytes(mesh.pixels));
+}
+
+TEST(MeshFile, EveryDamageIsRefused) {
+    const test::TemporaryFolder folder;
+    const std::string path = folder.file("a.rtmesh");
+    writeMesh(path, smallMesh());
+    expectEveryDamageIsRefused(path, [&] { readMesh(path); });
+}
+
+TEST(MeshFile, InvalidContentWithRightChecksumsIsRefused) {
+    const test::TemporaryFolder folder;
+    const std::string path = folder.file("a.rtmesh");
+    const auto refused = [&](const std::function<void(Mesh&)>& spoil) {
+        Mesh mesh = smallMesh();
+        spoil(mesh);
+        writeMesh(path, mesh);
+        return failureOf([&] { readMesh(path); }) == ErrorKind::InvalidContent;
+    };
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    EXPECT_TRUE(refused([](Mesh& m) { m.triangles = std::vector<glm::uvec3>{{0, 1, 4}, {0, 1, 2}}; }));
+    EXPECT_TRUE(refused([](Mesh& m) { m.triangles = {}; }));
+    EXPECT_TRUE(refused([](Mesh& m) { m.triangleMaterial = std::vector<std::uint32_t>{0, 1}; }));
+    EXPECT_TRUE(refused([](Mesh& m) { m.normals = std::vector<glm::vec3>(3, glm::vec3(0, 0, 1)); }));
+    EXPECT_TRUE(refused([](Mesh& m) { m.normals = std::vector<glm::vec3>(4, glm::vec3(0)); }));
+    EXPECT_TRUE(refused([=](Mesh& m) { m.positions = std::vector<glm::vec3>(4, glm::vec3(nan)); }));
+    EXPECT_TRUE(refused([](Mesh& m) { m.materials = std::vector<Material>{greyMaterial(1)}; }));
+    EXPECT_TRUE(refused([](Mesh& m) { m.images = std::vector<MeshImage>{{2, 2, 0, 0, 0}}; }));
+    EXPECT_TRUE(refused([](Mesh& m) { m.images = std::vector<MeshImage>{{2, 1, 0, 0, ~0ull}}; }));
+    EXPECT_FALSE(refused([](Mesh&) {}));
+}
+
+TEST(AtlasFile, ComesBackAsItWasWritten) {
+    const test::TemporaryFolder folder;
+    const Atlas atlas = smallAtlas();
+    writeAtlas(folder.file("a.rtatlas"), atlas);
+    const Atlas back = readAtlas(folder.file("a.rtatlas")).atlas;
+    EXPECT_EQ(std::memcmp(&back.grid, &atlas.grid, sizeof(GridParams)), 0);
+    EXPECT_EQ(std::memcmp(&back.info, &atlas.info, sizeof(AtlasInfo)), 0);
+    EXPECT_EQ(bytes(back.voxels), bytes(atlas.voxels));
+    EXPECT_EQ(bytes(back.references), bytes(atlas.references));
+    EXPECT_EQ(bytes(back.triangles), bytes(atlas.triangles));
+    EXPECT_EQ(bytes(back.triangleVertices), bytes(atlas.triangleVertices));
+    EXPECT_EQ(bytes(back.normals), bytes(atlas.normals));
+    EXPECT_EQ(bytes(back.texcoords), bytes(atlas.texcoords));
+    EXPECT_EQ(bytes(back.materials), bytes(atlas.materials));
+    EXPECT_EQ(bytes(back.lights), bytes(atlas.lights));
+    EXPECT_EQ(bytes(back.images), bytes(atlas.images));
+    EXPECT_EQ(bytes(back.pages), bytes(atlas.pages));
+}
+
+TEST(AtlasFile, EveryDamageIsRefused) {
+    const test::TemporaryFolder folder;
+    const std::string path = folder.file("a.rtatlas");
+    writeAtlas(path, smallAtlas());
+    expectEveryDamageIsRefused(path, [&] { readAtlas(path); });
+}
+
+TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {
+    const test::TemporaryFolder folder;
+    const std::string path = folder.file("a.rtatlas");
+    const auto refused = [&](const std::function<void(Atlas&)>& spoil) {
+        Atlas atlas = smallAtlas();
+        spoil(atlas);
+        writeAtlas(path, atlas);
+        return failureOf([&] { readAtlas(path); }) == ErrorKind::InvalidContent;
+    };
+    using Words = std::vector<std::uint32_t>;
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.voxels = Words{kOccupiedBit | 1u, 1u};
+    })) << "voxel into the middle of a list";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.voxels = Words{kOccupiedBit | 3u, 1u};
+    })) << "voxel beyond the lists";
+    EXPECT_TRUE(refused([](Atlas& a) { a.voxels = Words{kOccupiedBit, 0u}; })) << "a leap of no length";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.voxels = Words{kOccupiedBit, 3u};
+    })) << "a leap longer than the grid";
+    EXPECT_TRUE(refused([](Atlas& a) { a.voxels = Words{kOccupiedBit}; })) << "a voxel too few";
+    EXPECT_TRUE(refused([](Atlas& a) { a.references = Words{3, 0, 1}; })) << "list overruns";
+    EXPECT_TRUE(refused([](Atlas& a) { a.references = Words{2, 0, 2}; })) << "no such triangle";
+    EXPECT_TRUE(refused([](Atlas& a) { a.grid.counts.w = 2; })) << "light count";
+    EXPECT_TRUE(refused([](Atlas& a) { a.grid.dims.w = 9; })) << "structure";
+    EXPECT_TRUE(refused([](Atlas& a) { a.grid.worldOffset.w = 0.3f; })) << "scale";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.triangleVertices = std::vector<glm::uvec4>(2, {0, 1, 4, 0});
+    })) << "vertex";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.images = std::vector<ImagePlace>{{{1, 0, 2, 1}, {0, 0, 0, 0}}};
+    })) << "image";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.images = std::vector<ImagePlace>{{{0, 0, 2, 1}, {1, 0, 0, 0}}};
+    })) << "page";
+    EXPECT_FALSE(refused([](Atlas&) {}));
+}
+
+TEST(SectionFile, UnknownSectionsAreSkippedAndOtherMajorVersionsRefused) {
+    const test::TemporaryFolder folder;
+    const std::string path = folder.file("x");
+    constexpr FileKind kind{{'\x89', 'T', 'E', 'S', 'T', ' ', ' ', '\n'}, 1, 5, ".test"};
+    const std::vector<std::uint32_t> values{1, 2, 3};
+    SectionFileWriter writer(kind);
+    writer.add<std::uint32_t>(sectionId("NEWX"), values);
+    writer.add<std::uint32_t>(sectionId("KNWN"), values);
+    writer.write(path);
+    FileKind reader = kind;
+    reader.minor = 0;
+    const SectionFile file(path, reader);
+    EXPECT_EQ(file.get<std::uint32_t>(sectionId("KNWN"), 3)[2], 3u);
+    EXPECT_TRUE(file.get<std::uint32_t>(sectionId("NONE")).empty());
+    EXPECT_EQ(failureOf([&] { file.get<std::uint64_t>(sectionId("KNWN")); }), ErrorKind::InvalidContent);
+    reader.major = 2;
+    EXPECT_EQ(failureOf([&] { SectionFile(path, reader); }), ErrorKind::InvalidContent);
+}
+
+} // namespace
+} // namespace rt

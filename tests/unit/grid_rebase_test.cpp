@@ -1,0 +1,122 @@
+#include "tests/support/make_mesh.h"
+#include "tools/rt-grid/place_grid.h"
+#include "tools/rt-grid/rebase_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+
+namespace rt {
+namespace {
+
+using test::makeSphere;
+using test::moved;
+
+double worldOf(float atlas, const Rebase& rebase, int axis) {
+    return double(atlas) / double(rebase.scale) + double(rebase.offsetWorld[axis]);
+}
+
+// How many coordinates of the mesh are not what comes back from atlas space.
+int roundedCoordinates(const Mesh& mesh) {
+    const Rebase rebase = chooseRebase(boundsOf(mesh));
+    const std::vector<TriangleRecord> records = rebaseTriangles(mesh, rebase);
+    int rounded = 0;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        const glm::vec4 corners[3] = {records[i].v0, records[i].v1, records[i].v2};
+        for (int corner = 0; corner < 3; ++corner)
+            for (int axis = 0; axis < 3; ++axis)
+                rounded += worldOf(corners[corner][axis], rebase, axis) !=
+                           double(mesh.positions[mesh.triangles[i][corner]][axis]);
+    }
+    return rounded;
+}
+
+TEST(GridRebase, roundsNoVertexAtAnyScaleAndOffset) {
+    const Mesh sphere = makeSphere(3);
+    for (int exponent = -12; exponent <= 12; exponent += 3) {
+        const float size = std::pow(10.0f, static_cast<float>(exponent));
+        for (const float distance : {0.0f, 0.7f, 1.1f, 3.0f, 3.1f, 100.0f, 148376.0f, 1e7f})
+            for (const glm::vec3 direction :
+                 {glm::vec3(1, 1, 1), glm::vec3(1, -0.003f, 0), glm::vec3(-1, 0.4f, 1e-3f)})
+                EXPECT_EQ(roundedCoordinates(moved(sphere, size, direction * distance * size)), 0)
+                    << "size " << size << ", distance " << distance;
+    }
+}
+
+TEST(GridRebase, makesTheLargestExtentHalfToOneByAPowerOfTwo) {
+    for (const float size : {1e-12f, 3e-4f, 0.5f, 1.0f, 3.0f, 1024.0f, 1e12f}) {
+        const Mesh mesh =
+            test::moved(test::makeBox(glm::vec3(-1, 0, 0), glm::vec3(1, 0.3f, 0.1f)), size, glm::vec3(7 * size));
+        const Rebase rebase = chooseRebase(boundsOf(mesh));
+        int exponent = 0;
+        EXPECT_EQ(std::frexp(rebase.scale, &exponent), 0.5f);
+        const BoundsD bounds = gridBounds(rebaseTriangles(mesh, rebase));
+        EXPECT_GE(bounds.extent().x, 0.5);
+        EXPECT_LE(bounds.extent().x, 1.0);
+    }
+}
+
+TEST(GridRebase, keepsCoordinatesNearTheExtentsSize) {
+    const Mesh mesh = test::moved(test::makeCube(), 1.0f, glm::vec3(1e6f, -3.0f, 0.25f));
+    for (const TriangleRecord& t : rebaseTriangles(mesh, chooseRebase(boundsOf(mesh))))
+        for (const glm::vec4& v : {t.v0, t.v1, t.v2})
+            for (int axis = 0; axis < 3; ++axis) EXPECT_LE(std::abs(v[axis]), 2.0f);
+}
+
+TEST(GridRebase, clampsTheScaleOfExtremeScenes) {
+    Bounds tiny;
+    tiny.add(glm::vec3(0.0f));
+    tiny.add(glm::vec3(1e-44f));
+    EXPECT_EQ(chooseRebase(tiny).scale, 0x1p120f);
+    Bounds huge;
+    huge.add(glm::vec3(-3e38f));
+    huge.add(glm::vec3(3e38f));
+    EXPECT_EQ(chooseRebase(huge).scale, 0x1p-120f);
+    Bounds point;
+    point.add(glm::vec3(5.0f));
+    EXPECT_EQ(chooseRebase(point).scale, 1.0f);
+    EXPECT_EQ(chooseRebase(point).offsetWorld, glm::vec3(5.0f));
+}
+
+TEST(GridRebase, recordsCarryTheTrianglesIndex) {
+    const auto records = rebaseTriangles(makeSphere(1), Rebase{});
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(records[i].v0.w), i);
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(records[i].v1.w), 0u);
+        EXPECT_EQ(std::bit_cast<std::uint32_t>(records[i].v2.w), 0u);
+    }
+}
+
+TEST(GridPlace, everyTriangleLiesWellInsideTheGridForAllResolutions) {
+    for (const unsigned side : {1u, 2u, 7u, 256u, 1024u, 65536u})
+        for (const float offset : {0.0f, 0.3f, -1.7f, 1e5f}) {
+            const Mesh mesh = test::moved(makeSphere(2), 0.37f, glm::vec3(offset, 0.1f, -offset));
+            const BoundsD bounds = gridBounds(rebaseTriangles(mesh, chooseRebase(boundsOf(mesh))));
+            const GridLayout grid = placeGrid(bounds, glm::uvec3(side, 1u, side));
+            for (int axis = 0; axis < 3; ++axis) {
+                const double cell = grid.cellSize[axis];
+                EXPECT_GE((bounds.lo[axis] - grid.gridLo[axis]) / cell, 1.0 / 64);
+                EXPECT_GE((grid.gridLo[axis] + grid.dims[axis] * cell - bounds.hi[axis]) / cell, 1.0 / 64);
+            }
+        }
+}
+
+TEST(GridPlace, flatAndPointLikeScenesGetAVolume) {
+    const Mesh flat = test::makeTexturedSquare({});
+    const BoundsD bounds = gridBounds(rebaseTriangles(flat, chooseRebase(boundsOf(flat))));
+    EXPECT_NEAR(bounds.extent().z, 1e-3 * bounds.extent().x, 1e-9);
+    const Mesh point = test::makeTriangles(std::vector<glm::vec3>(3, glm::vec3(4.0f, 5.0f, 6.0f)));
+    const BoundsD box = gridBounds(rebaseTriangles(point, chooseRebase(boundsOf(point))));
+    for (int axis = 0; axis < 3; ++axis) EXPECT_GT(box.extent()[axis], 0.0);
+}
+
+TEST(GridPlace, padsMoreWhereFloatsAreCoarserThanVoxels) {
+    const BoundsD bounds{glm::dvec3(0.0), glm::dvec3(1.0)};
+    EXPECT_EQ(placeGrid(bounds, glm::uvec3(256)).padCells, 0x1p-8);
+    EXPECT_EQ(placeGrid(bounds, glm::uvec3(4096, 1, 1)).padCells, 0x1p-8);
+    EXPECT_EQ(placeGrid(bounds, glm::uvec3(1, 1, 65536)).padCells, 0x1p-4);
+}
+
+} // namespace
+} // namespace rt

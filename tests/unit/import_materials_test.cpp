@@ -1,0 +1,232 @@
+// The table of materials in tools/rt-import/README.md, the rules for texture paths, and which way up images
+// are.
+#include "common/error.h"
+#include "tests/unit/import_files.h"
+
+#include <gmock/gmock.h>
+
+namespace rt {
+namespace {
+
+using test::fourColourImage;
+using test::gltfTriangle;
+using test::ModelFiles;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string kTexturedTriangle =
+    "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
+
+struct OpticsCase {
+    const char* name;
+    const char* text;
+    glm::vec3 wanted; // reflectivity, transmission, index of refraction
+};
+
+void PrintTo(const OpticsCase& c, std::ostream* os) {
+    *os << c.name;
+}
+
+void expectNear(const glm::vec4& found, const glm::vec3& wanted) {
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(found[i], wanted[i], 1e-6f) << "component " << i;
+    EXPECT_EQ(found.w, 0.0f);
+}
+
+class MtlOptics : public testing::TestWithParam<OpticsCase> {};
+
+TEST_P(MtlOptics, FollowTheTable) {
+    ModelFiles files;
+    files.write("m.mtl", std::string("newmtl m\nKs 0.1 0.5 0.2\n") + GetParam().text);
+    files.write("m.obj", kTexturedTriangle);
+    expectNear(files.import("m.obj").mesh.materials[0].optics, GetParam().wanted);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Import, MtlOptics,
+    testing::Values(OpticsCase{"HighlightIsNoMirror", "illum 2\n", {0, 0, 1}},
+                    OpticsCase{"Illum3Mirrors", "illum 3\n", {0.5f, 0, 1}},
+                    OpticsCase{"Illum8Mirrors", "illum 8\n", {0.5f, 0, 1}},
+                    OpticsCase{"DissolveTransmits", "illum 2\nd 0.25\nNi 1.3\n", {0, 0.75f, 1.3f}},
+                    OpticsCase{"TrTransmits", "Tr 0.25\n", {0, 0.25f, 1}},
+                    OpticsCase{"GlassWithoutNi", "illum 7\nd 0.75\n", {0.5f, 0.25f, 1.5f}},
+                    OpticsCase{"GlassIsClearFirst", "illum 7\nd 0.25\nNi 1.5\n", {0.25f, 0.75f, 1.5f}},
+                    OpticsCase{"NiBelowOne", "d 0.5\nNi 0.5\n", {0, 0.5f, 1}},
+                    OpticsCase{"AbsurdNumbers", "illum 3\nKs 7 0 0\nd -3\nNi 1e9\n", {0, 1, 100}}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+class GltfOptics : public testing::TestWithParam<OpticsCase> {};
+
+TEST_P(GltfOptics, FollowTheTable) {
+    ModelFiles files;
+    files.write("m.gltf",
+                gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})", GetParam().text,
+                             R"(,"extensionsUsed":["KHR_materials_transmission","KHR_materials_ior"])"));
+    expectNear(files.import("m.gltf").mesh.materials[0].optics, GetParam().wanted);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Import, GltfOptics,
+    testing::Values(
+        OpticsCase{"RoughMetal",
+                   R"({"pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":1}})",
+                   {0, 0, 1.5f}},
+        OpticsCase{"SmoothMetal",
+                   R"({"pbrMetallicRoughness":{"metallicFactor":0.8,"roughnessFactor":0.25}})",
+                   {0.6f, 0, 1.5f}},
+        OpticsCase{"Transmission",
+                   R"({"pbrMetallicRoughness":{"metallicFactor":0},
+                       "extensions":{"KHR_materials_transmission":{"transmissionFactor":0.9},
+                                     "KHR_materials_ior":{"ior":1.33}}})",
+                   {0, 0.9f, 1.33f}},
+        OpticsCase{
+            "Blend",
+            R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"metallicFactor":0,"baseColorFactor":[1,1,1,0.25]}})",
+            {0, 0.75f, 1}},
+        OpticsCase{"OpaqueIgnoresAlpha",
+                   R"({"pbrMetallicRoughness":{"metallicFactor":0,"baseColorFactor":[1,1,1,0.25]}})",
+                   {0, 0, 1.5f}}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST(ImportMaterials, ColoursAndEmissionAreTakenAsTheyAre) {
+    ModelFiles files;
+    files.write("m.mtl", "newmtl m\nKd 0.25 0.5 0.75\nKe 36 33 24\n");
+    files.write("m.obj", kTexturedTriangle);
+    const Mesh mesh = files.import("m.obj").mesh;
+    EXPECT_EQ(mesh.materials[0].baseColor, glm::vec4(0.25f, 0.5f, 0.75f, 1));
+    EXPECT_EQ(mesh.materials[0].emission, glm::vec4(36, 33, 24, 0));
+    EXPECT_THAT(mesh.texcoords, IsEmpty()); // no image, no need of them
+}
+
+TEST(ImportMaterials, ObjImageStandsUpright) {
+    ModelFiles files;
+    files.write("m.mtl", "newmtl m\nmap_Kd -clamp on four.ppm\n");
+    files.write("m.obj", kTexturedTriangle);
+    files.write("four.ppm", fourColourImage());
+    const ImportedModel model = files.import("m.obj");
+    const Mesh& mesh = model.mesh;
+    EXPECT_THAT(model.report.warnings, IsEmpty());
+    ASSERT_EQ(mesh.images.size(), 1u);
+    EXPECT_EQ(mesh.images[0].wrapU, kWrapClamp);
+    // Top row first, R in the lowest byte; v = 0, where OBJ has the bottom, stays 0.
+    EXPECT_THAT(mesh.pixels, ElementsAre(0xff0000ffu, 0xff00ff00u, 0xffff0000u, 0xffffffffu));
+    EXPECT_THAT(mesh.texcoords, ElementsAre(glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(0, 1)));
+}
+
+TEST(ImportMaterials, GltfImageStandsUpright) {
+    ModelFiles files;
+    // The attribute that the triangle calls NORMAL serves as texture coordinates (0, 0) here: glTF's top
+    // left.
+    std::string text = gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})",
+                                    R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})",
+                                    R"(,"textures":[{"source":0,"sampler":0}],"images":[{"uri":"four.ppm"}],
+                                        "samplers":[{"wrapS":33648,"wrapT":33071}])");
+    text.replace(text.find("\"NORMAL\":1"), 10, "\"TEXCOORD_0\":2");
+    text.insert(text.find("\"type\":\"VEC3\"}]") + 14,
+                R"(,{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"})");
+    files.write("m.gltf", text);
+    files.write("four.ppm", fourColourImage());
+    const Mesh mesh = files.import("m.gltf").mesh;
+    ASSERT_EQ(mesh.images.size(), 1u);
+    EXPECT_EQ(mesh.images[0].wrapU, kWrapMirror);
+    EXPECT_EQ(mesh.images[0].wrapV, kWrapClamp);
+    EXPECT_EQ(mesh.pixels[0], 0xff0000ffu);
+    EXPECT_EQ(mesh.texcoords[mesh.triangles[0].x], glm::vec2(0, 1)); // the top edge of ours
+}
+
+TEST(ImportMaterials, OneImageForEachFileAndWrapAndPixelsOnlyOnce) {
+    ModelFiles files;
+    files.write(
+        "m.mtl",
+        "newmtl a\nmap_Kd four.ppm\nnewmtl b\nmap_Kd -clamp on four.ppm\nnewmtl c\nmap_Kd ./four.ppm\n"
+        "newmtl unused\nmap_Kd missing.png\n");
+    files.write(
+        "m.obj",
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n"
+        "usemtl c\nf 1/1 2/1 3/1\n");
+    files.write("four.ppm", fourColourImage());
+    const ImportedModel model = files.import("m.obj");
+    EXPECT_THAT(model.report.warnings, IsEmpty());
+    EXPECT_EQ(model.mesh.images.size(), 2u);
+    EXPECT_EQ(model.mesh.pixels.size(), 4u);
+    EXPECT_EQ(model.mesh.materials[0].images.x, model.mesh.materials[2].images.x);
+    EXPECT_NE(model.mesh.materials[0].images.x, model.mesh.materials[1].images.x);
+    EXPECT_THAT(model.filesRead, ElementsAre(EndsWith("m.obj"), EndsWith("m.mtl"), EndsWith("four.ppm")));
+}
+
+class TexturePath : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(TexturePath, IsFoundInTheModelsFolder) {
+    const auto [named, stored] = GetParam();
+    ModelFiles files;
+    files.write("m.mtl", std::string("newmtl m\nmap_Kd ") + named + "\n");
+    files.write("m.obj", kTexturedTriangle);
+    files.write(stored, fourColourImage());
+    const ImportedModel model = files.import("m.obj");
+    EXPECT_THAT(model.report.warnings, IsEmpty());
+    EXPECT_EQ(model.mesh.images.size(), 1u);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Import, TexturePath,
+    testing::Values(std::pair{"tex\\four.ppm", "tex/four.ppm"}, std::pair{".\\four.ppm", "four.ppm"},
+                    std::pair{"TEX/Four.PPM", "tex/four.ppm"}, std::pair{"C:\\art\\four.ppm", "four.ppm"},
+                    std::pair{"/art/four.ppm", "four.ppm"}, std::pair{"../art/four.ppm", "four.ppm"},
+                    std::pair{"my%20four.ppm", "my four.ppm"}));
+
+TEST(ImportMaterials, NothingOutsideTheModelsFolderIsRead) {
+    ModelFiles files;
+    files.write("secret.mtl", "newmtl m\nKd 1 0 0\n");
+    files.write("secret.ppm", fourColourImage());
+    files.write("in/m.mtl", "newmtl m\nmap_Kd ../secret.ppm\n");
+    files.write("in/m.obj", "mtllib ../secret.mtl\n" + kTexturedTriangle);
+    const ImportedModel model = files.import("in/m.obj");
+    EXPECT_THAT(model.mesh.images, IsEmpty());
+    EXPECT_NE(model.mesh.materials[0].baseColor, glm::vec4(1, 0, 0, 1));
+    EXPECT_THAT(model.filesRead, ElementsAre(EndsWith("in/m.obj"), EndsWith("in/m.mtl")));
+    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("secret.mtl"), HasSubstr("secret.ppm")));
+}
+
+TEST(ImportMaterials, MissingAndDamagedTexturesLeaveTheFactorAndAWarning) {
+    ModelFiles files;
+    files.write("m.obj", kTexturedTriangle);
+    files.write("bad.png", "\x89PNG but no more");
+    for (const char* name : {"gone.png", "bad.png"}) {
+        files.write("m.mtl", std::string("newmtl m\nKd 0.5 0.25 1\nmap_Kd ") + name + "\n");
+        const ImportedModel model = files.import("m.obj");
+        EXPECT_EQ(model.mesh.materials[0].images.x, kNoImage);
+        EXPECT_EQ(model.mesh.materials[0].baseColor, glm::vec4(0.5f, 0.25f, 1, 1));
+        EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr(name)));
+        EXPECT_THAT(model.mesh.texcoords, IsEmpty());
+    }
+}
+
+TEST(ImportMaterials, OversizedImageHitsTheLimitBeforeItIsDecoded) {
+    ModelFiles files;
+    files.write("m.mtl", "newmtl m\nmap_Kd wide.ppm\n");
+    files.write("m.obj", kTexturedTriangle);
+    files.write("wide.ppm", "P6\n16385 1\n255\n");
+    try {
+        files.import("m.obj");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::LimitExceeded);
+        EXPECT_THAT(error.what(), HasSubstr("wide.ppm: image of 16385x1 pixels exceeds 16384"));
+    }
+}
+
+TEST(ImportMaterials, TextureTransformsAreNamedAsLost) {
+    ModelFiles files;
+    files.write("m.gltf", gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})",
+                                       R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":
+                                           {"KHR_texture_transform":{"scale":[2,2]}}}}})",
+                                       R"(,"extensionsUsed":["KHR_texture_transform"],
+                                           "textures":[{"source":0}],"images":[{"uri":"four.ppm"}])"));
+    files.write("four.ppm", fourColourImage());
+    EXPECT_THAT(files.import("m.gltf").report.warnings,
+                ElementsAre(HasSubstr("texture transform is not carried over")));
+}
+
+} // namespace
+} // namespace rt

@@ -1,0 +1,75 @@
+// Models that others made: counts as their makers state them.
+#include "common/stage_timer.h"
+#include "tests/support/scenes.h"
+#include "tools/rt-import/import_model.h"
+
+#include <gmock/gmock.h>
+
+#include <filesystem>
+
+namespace rt {
+namespace {
+
+ImportedModel import(const std::string& path) {
+    StageTimer timer;
+    return importModel(path, 45.0, timer);
+}
+
+TEST(ImportScenes, PoolTableIsWhole) {
+    const ImportedModel model = import(test::poolTablePath());
+    EXPECT_EQ(model.mesh.triangles.size(), 57184u);
+    EXPECT_EQ(model.mesh.images.size(), 17u);
+    EXPECT_EQ(model.filesRead.size(), 19u); // with the model and its material library
+    EXPECT_THAT(model.report.warnings, testing::IsEmpty());
+}
+
+struct SceneCase {
+    const char* path;
+    std::size_t triangles;
+    std::size_t images;
+};
+
+void PrintTo(const SceneCase& c, std::ostream* os) {
+    *os << c.path;
+}
+
+class ImportScene : public testing::TestWithParam<SceneCase> {};
+
+TEST_P(ImportScene, HasItsTrianglesAndImages) {
+    const std::string path = test::scenePath(GetParam().path);
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+    const Mesh mesh = import(path).mesh;
+    EXPECT_EQ(mesh.triangles.size(), GetParam().triangles);
+    EXPECT_EQ(mesh.images.size(), GetParam().images);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, ImportScene,
+    testing::Values(SceneCase{"models/3ds/test1.3ds", 108, 3}, // names in another letter case
+                    SceneCase{"models/3ds/horse.3ds", 7172, 0},
+                    SceneCase{"models/statues/bun_zipper.ply", 69451, 0},
+                    SceneCase{"models/formats/Spider_ascii.stl", 1368, 0},
+                    SceneCase{"models/formats/Spider_binary.stl", 1368, 0},
+                    SceneCase{"models/formats/spider_obj/spider.obj", 1368, 4},
+                    SceneCase{"models/interior/vr-gallery.glb", 1930, 1},    // embedded image
+                    SceneCase{"models/gltf/2CylinderEngine.glb", 121496, 0}, // with instances
+                    SceneCase{"models/gltf/TextureSettingsTest/TextureSettingsTest.gltf", 72, 8}));
+
+// Seen from -z, where the model faces, its four quads carry the quarters of the picture that name their
+// places.
+TEST(ImportScenes, TextureCoordinateTestIsUpright) {
+    const std::string path = test::scenePath("models/gltf/TextureCoordinateTest/TextureCoordinateTest.gltf");
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+    const Mesh mesh = import(path).mesh;
+    std::size_t quadVertices = 0;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+        if (mesh.positions[v].z > 0.01f) continue; // the plate behind them
+        ++quadVertices;
+        EXPECT_EQ(mesh.texcoords[v].y > 0.5f, mesh.positions[v].y > 0.0f) << "vertex " << v;
+        EXPECT_EQ(mesh.texcoords[v].x<0.5f, mesh.positions[v].x> 0.0f) << "vertex " << v;
+    }
+    EXPECT_EQ(quadVertices, 16u);
+}
+
+} // namespace
+} // namespace rt

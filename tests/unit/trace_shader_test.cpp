@@ -1,0 +1,200 @@
+// How rt-trace puts its shaders together.
+#include "common/error.h"
+#include "tools/rt-trace/scene_features.h"
+#include "tools/rt-trace/shader_resources.h"
+#include "tools/rt-trace/shader_source.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+
+namespace rt {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+ShaderFinder finderOf(const std::map<std::string, std::string, std::less<>>& files) {
+    return [files](std::string_view path) -> std::optional<std::string> {
+        const auto found = files.find(path);
+        return found == files.end() ? std::nullopt : std::optional(found->second);
+    };
+}
+
+TEST(ShaderSource, IncludesEachFileOnceAndKeepsTrackOfLines) {
+    const auto find = finderOf({{"main", "one\n#include \"a\"\nthree\n#include \"b\"\n"},
+                                {"a", "#include \"b\"\nin a\n"},
+                                {"b", "in b\n"}});
+    const ShaderText shader = composeShader("#version 450\n", "main", find);
+    EXPECT_EQ(shader.text,
+              "#version 450\n#line 1 1\none\n#line 1 2\n#line 1 3\nin b\n#line 2 2\nin a\n#line 3 1\nthree\n"
+              "#line 5 1\n");
+    EXPECT_EQ(shader.files, (std::vector<std::string>{"prelude", "main", "a", "b"}));
+}
+
+TEST(ShaderSource, LeavesOutWhatIsForCppAndWhatThatIncludes) {
+    const auto find =
+        finderOf({{"main", "#ifdef __cplusplus\n#include \"b\"\n#if X\ncpp\n#endif\n#else\nglsl\n#endif\n"
+                           "#ifndef __cplusplus\nalso glsl\n#else\nalso cpp\n#endif\n#include \"b\"\n"},
+                  {"b", "in b\n"}});
+    const std::string text = composeShader("", "main", find).text;
+    EXPECT_THAT(text, Not(HasSubstr("cpp\n")));
+    EXPECT_THAT(text, HasSubstr("\nglsl\n"));
+    EXPECT_THAT(text, HasSubstr("also glsl\n"));
+    EXPECT_THAT(text, HasSubstr("#line 1 2\nin b\n"));
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1 + 13 + 3); // each line of main keeps its place
+}
+
+TEST(ShaderSource, AnUnknownIncludeIsAnInternalError) {
+    EXPECT_THROW(composeShader("", "main", finderOf({{"main", "#include \"nowhere\"\n"}})), Error);
+}
+
+TEST(ShaderSource, CompilerLogsNameFiles) {
+    const ShaderText shader{"", {"prelude", "shaders/a.glsl"}};
+    EXPECT_EQ(nameFiles("1:17(3): error: x\n1(5) : error C1\n9:1: y\nno place\n", shader),
+              "shaders/a.glsl:17(3): error: x\nshaders/a.glsl(5) : error C1\n9:1: y\nno place\n");
+}
+
+TEST(ShaderSource, EveryShaderOfTheRepositoryIsEmbedded) {
+    for (const char* path :
+         {"shaders/render.comp.glsl", "shaders/query.comp.glsl", "formats/atlas.shared.h"}) {
+        std::ostringstream text;
+        text << std::ifstream(std::string(RT_SOURCE_DIR "/") + path).rdbuf();
+        EXPECT_EQ(embeddedShader(path), text.str()) << path;
+    }
+    EXPECT_EQ(embeddedShader("shaders/nothing.glsl"), std::nullopt);
+}
+
+TEST(SceneFeatures, TheTableAndTheShadersNameTheSameMacros) {
+    const std::string shader = embeddedShader("shaders/features.glsl").value();
+    for (const FeatureRow& row : featureTable()) {
+        EXPECT_THAT(shader, HasSubstr(std::string("#ifndef ") + row.macro + "\n"));
+        EXPECT_TRUE(std::regex_search(shader, std::regex(std::string("const .*\\b") + row.macro + "\\b")))
+            << row.macro;
+        EXPECT_THAT(featureDefines({}), HasSubstr(std::string("#define ") + row.macro + " 0\n"));
+    }
+    const std::regex guard("#ifndef (RT_\\w+)");
+    const auto guards =
+        std::distance(std::sregex_iterator(shader.begin(), shader.end(), guard), std::sregex_iterator());
+    EXPECT_EQ(static_cast<std::size_t>(guards), featureTable().size());
+}
+
+// Triangle 0 uses material 0; nothing uses material 1.
+Atlas atlasWithMaterials(const Material& used, const Material& unused) {
+    Atlas atlas;
+    atlas.grid.dims = glm::uvec4(1, 1, 1, kStructureCloud);
+    atlas.materials = std::vector<Material>{used, unused};
+    atlas.triangleVertices = std::vector<glm::uvec4>{{0, 0, 0, 0}};
+    return atlas;
+}
+
+TEST(SceneFeatures, AMaterialCountsOnlyIfATriangleUsesIt) {
+    const Material plain{glm::vec4(1), glm::vec4(0), glm::vec4(0, 0, 1.5f, 0), glm::uvec4(kNoImage)};
+    const Material rich{glm::vec4(1), glm::vec4(0, 1, 0, 0), glm::vec4(0.5f, 0.5f, 1.5f, 0), glm::uvec4(0)};
+    const SceneFeatures none = renderFeatures(atlasWithMaterials(plain, rich), 4, 0);
+    EXPECT_EQ(none.structure, kStructureCloud);
+    for (const FeatureRow& row : featureTable())
+        EXPECT_EQ(none.*row.field, row.field == &SceneFeatures::structure ? kStructureCloud : 0u)
+            << row.macro;
+    const SceneFeatures all = renderFeatures(atlasWithMaterials(rich, plain), 4, 2);
+    EXPECT_TRUE(all.hasTextures && all.hasReflection && all.hasTransmission && all.hasEmission &&
+                all.hasLights);
+    EXPECT_EQ(all.maxDepth, 4u);
+    const SceneFeatures flat = renderFeatures(atlasWithMaterials(rich, plain), 0, 2);
+    EXPECT_FALSE(flat.hasReflection || flat.hasTransmission);
+    EXPECT_TRUE(flat.hasTextures);
+}
+
+constexpr ResourceLimits kRoomy{1 << 20, 16, 16, 256, 1 << 20, 16};
+
+Atlas atlasOf(std::size_t references, glm::uvec3 dims) {
+    Atlas atlas;
+    atlas.grid.dims = glm::uvec4(dims, kStructureUniform);
+    atlas.references = std::vector<std::uint32_t>(references);
+    atlas.triangles = std::vector<TriangleRecord>(10);
+    return atlas;
+}
+
+ResourcePlan planQuery(const Atlas& atlas, const ResourceLimits& limits) {
+    return planResources(atlas, {}, ShaderKind::Query, limits, "x.rtatlas");
+}
+
+TEST(ShaderResources, WhatFitsIsReadPlainly) {
+    const std::string text = resourceText(planQuery(atlasOf(100, {4, 4, 4}), kRoomy));
+    EXPECT_THAT(text, HasSubstr("uint loadReference(uint i) {\n    return references0[i];\n}"));
+    EXPECT_THAT(text, HasSubstr("uint loadVoxel(ivec3 c) {\n    return texelFetch(voxels0, c, 0).x;\n}"));
+    EXPECT_THAT(text,
+                HasSubstr("binding = 6) readonly restrict buffer referencesBlock0 { uint references0[]; };"));
+    EXPECT_THAT(text, HasSubstr("binding = 7) readonly restrict buffer trianglesBlock0"));
+    for (const char* absent : {"switch", "loadTexcoord", "loadNormal", "materials", "colorImage", "counters"})
+        EXPECT_THAT(text, Not(HasSubstr(absent)));
+}
+
+TEST(ShaderResources, ArraysAreSplitIntoPagesOfAPowerOfTwo) {
+    ResourceLimits limits = kRoomy;
+    limits.storageBlockBytes = 200; // 50 references, so 32; 4 triangles
+    const ResourcePlan plan = planQuery(atlasOf(100, {4, 4, 4}), limits);
+    const PagedArray& references = plan.arrays[0];
+    EXPECT_EQ(references.pageCount, 4u);
+    EXPECT_EQ(references.pageShift, 5u);
+    EXPECT_EQ(references.page(0).size(), 128u);
+    EXPECT_EQ(references.page(3).size(), 16u);
+    EXPECT_EQ(references.page(3).data(), references.bytes.data() + 384);
+    EXPECT_EQ(plan.arrays[1].firstBinding, 10u);
+    EXPECT_EQ(plan.arrays[1].pageCount, 3u);
+    EXPECT_THAT(resourceText(plan), HasSubstr("uint loadReference(uint i) {\n    switch (int(i >> 5)) {\n"
+                                              "    case 0: return references0[i & 31u];\n"
+                                              "    case 1: return references1[i & 31u];\n"
+                                              "    case 2: return references2[i & 31u];\n"
+                                              "    default: return references3[i & 31u];\n    }\n}"));
+}
+
+TEST(ShaderResources, AnArrayThatJustFitsIsNotSplit) {
+    ResourceLimits limits = kRoomy;
+    limits.storageBlockBytes = 480;
+    EXPECT_EQ(planQuery(atlasOf(120, {4, 4, 4}), limits).arrays[0].pageCount, 1u);
+    EXPECT_EQ(planQuery(atlasOf(121, {4, 4, 4}), limits).arrays[0].pageCount, 2u);
+}
+
+TEST(ShaderResources, VoxelsAreSplitIntoSlabsAlongZ) {
+    ResourceLimits limits = kRoomy;
+    limits.textureSize3D = 20;
+    const ResourcePlan plan = planQuery(atlasOf(1, {20, 4, 50}), limits);
+    EXPECT_EQ(plan.voxels.count, 4u);
+    EXPECT_EQ(plan.voxels.layers(0), 16u);
+    EXPECT_EQ(plan.voxels.firstLayer(3), 48u);
+    EXPECT_EQ(plan.voxels.layers(3), 2u);
+    EXPECT_THAT(resourceText(plan),
+                HasSubstr("    switch (c.z >> 4) {\n"
+                          "    case 0: return texelFetch(voxels0, ivec3(c.xy, c.z & 15), 0).x;\n"));
+    limits = kRoomy;
+    limits.textureBytes = 20 * 4 * 4 * 10; // ten layers, so 8
+    EXPECT_EQ(planQuery(atlasOf(1, {20, 4, 50}), limits).voxels.count, 7u);
+}
+
+TEST(ShaderResources, WhatDoesNotFitIsALimitWithAMessage) {
+    const auto messageOf = [](const Atlas& atlas, const ResourceLimits& limits) -> std::string {
+        try {
+            planQuery(atlas, limits);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::LimitExceeded);
+            return error.what();
+        }
+        return "no error";
+    };
+    ResourceLimits limits = kRoomy;
+    limits.storageBlockBytes = 48;
+    EXPECT_THAT(messageOf(atlasOf(100, {4, 4, 4}), limits), HasSubstr("x.rtatlas: needs 25 storage buffers"));
+    EXPECT_THAT(messageOf(atlasOf(1, {257, 4, 4}), kRoomy), HasSubstr("allows 256 along x and y"));
+    limits = kRoomy;
+    limits.textureSize3D = 4;
+    EXPECT_THAT(messageOf(atlasOf(1, {4, 4, 64}), limits),
+                HasSubstr("needs 16 textures, this device allows 15"));
+}
+
+} // namespace
+} // namespace rt

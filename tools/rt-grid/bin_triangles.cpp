@@ -1,0 +1,169 @@
+#include "tools/rt-grid/bin_triangles.h"
+
+#include "common/error.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+
+namespace rt {
+namespace {
+
+constexpr std::size_t kTrianglesPerChunk = 1024;
+constexpr std::size_t kVoxelsPerBlock = 1u << 16;
+
+// The voxels that some consecutive triangles meet, triangle by triangle.
+struct ChunkVoxels {
+    std::vector<std::uint32_t> voxels;
+    std::vector<std::uint32_t> countOfTriangle;
+};
+
+std::size_t chunkCount(std::size_t items, std::size_t perChunk) {
+    return (items + perChunk - 1) / perChunk;
+}
+
+template <class Body>
+void forEachBlock(std::size_t voxelCount, Body&& body) {
+    tbb::parallel_for(std::size_t(0), chunkCount(voxelCount, kVoxelsPerBlock), [&](std::size_t block) {
+        body(block, block * kVoxelsPerBlock, std::min(voxelCount, (block + 1) * kVoxelsPerBlock));
+    });
+}
+
+ChunkVoxels voxelizeChunk(std::span<const TriangleRecord> triangles, const GridLayout& layout,
+                          std::atomic<std::uint64_t>& total, const ReferenceLimit& limit) {
+    ChunkVoxels chunk;
+    chunk.countOfTriangle.reserve(triangles.size());
+    const glm::uvec3 dims = layout.dims;
+    std::size_t unreported =
+        0; // one giant triangle after another must not fill the memory before anyone counts
+    for (const TriangleRecord& triangle : triangles) {
+        const std::size_t before = chunk.voxels.size();
+        forEachVoxelOf(voxelTriangle(triangle, layout), dims, layout.padCells, [&](const glm::uvec3& at) {
+            chunk.voxels.push_back((at.z * dims.y + at.y) * dims.x + at.x);
+        });
+        const std::size_t count = chunk.voxels.size() - before;
+        chunk.countOfTriangle.push_back(static_cast<std::uint32_t>(count));
+        unreported += count;
+        if (unreported < kVoxelsPerBlock && &triangle != &triangles.back()) continue;
+        if (total.fetch_add(unreported, std::memory_order_relaxed) + unreported > limit.references)
+            throw Error(ErrorKind::LimitExceeded, limit.message);
+        unreported = 0;
+    }
+    chunk.voxels.shrink_to_fit();
+    return chunk;
+}
+
+std::vector<ChunkVoxels> voxelizeAll(std::span<const TriangleRecord> triangles, const GridLayout& layout,
+                                     const ReferenceLimit& limit) {
+    std::vector<ChunkVoxels> chunks(chunkCount(triangles.size(), kTrianglesPerChunk));
+    std::atomic<std::uint64_t> total{0};
+    tbb::parallel_for(std::size_t(0), chunks.size(), [&](std::size_t i) {
+        const std::size_t first = i * kTrianglesPerChunk;
+        const std::size_t count = std::min(kTrianglesPerChunk, triangles.size() - first);
+        chunks[i] = voxelizeChunk(triangles.subspan(first, count), layout, total, limit);
+    });
+    return chunks;
+}
+
+void countReferences(const std::vector<ChunkVoxels>& chunks, std::vector<std::uint32_t>& counts) {
+    tbb::parallel_for(std::size_t(0), chunks.size(), [&](std::size_t i) {
+        for (std::uint32_t voxel : chunks[i].voxels)
+            std::atomic_ref(counts[voxel]).fetch_add(1, std::memory_order_relaxed);
+    });
+}
+
+struct BlockTotals {
+    std::uint64_t occupied = 0;
+    std::uint64_t references = 0;
+    std::uint64_t words() const { return occupied + references; }
+};
+
+// Turns the counts in refs.voxels into the lists' offsets and makes room for the lists.
+void placeLists(CellRefs& refs) {
+    std::vector<BlockTotals> totals(chunkCount(refs.voxels.size(), kVoxelsPerBlock));
+    forEachBlock(refs.voxels.size(), [&](std::size_t block, std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            totals[block].occupied += refs.voxels[i] > 0;
+            totals[block].references += refs.voxels[i];
+        }
+    });
+    std::vector<std::uint64_t> firstWord(totals.size());
+    std::uint64_t words = 0;
+    for (std::size_t block = 0; block < totals.size(); ++block) {
+        firstWord[block] = words;
+        words += totals[block].words();
+        refs.occupiedVoxels += totals[block].occupied;
+        refs.referenceCount += totals[block].references;
+    }
+    assert(words <= kMaxReferenceWords);
+    refs.references.resize(words);
+    forEachBlock(refs.voxels.size(), [&](std::size_t block, std::size_t first, std::size_t last) {
+        auto offset = static_cast<std::uint32_t>(firstWord[block]);
+        for (std::size_t i = first; i < last; ++i) {
+            const std::uint32_t count = refs.voxels[i];
+            if (count == 0) continue;
+            refs.voxels[i] = kOccupiedBit | offset;
+            offset += count + 1;
+        }
+    });
+}
+
+// Puts one chunk's triangles into the lists. A list's count, still 0, says how many of its places are taken;
+// threads take places in any order. Both reads miss the caches as a rule and an atomic lets nothing overtake
+// it, so the memory is asked for well before it is needed.
+void fillFromChunk(const ChunkVoxels& chunk, std::uint32_t triangle, CellRefs& refs) {
+    constexpr std::size_t kAhead = 16;
+    const std::vector<std::uint32_t>& voxels = chunk.voxels;
+    const auto listOf = [&](std::size_t i) { return refs.voxels[voxels[i]] & ~kOccupiedBit; };
+    std::size_t i = 0;
+    for (const std::uint32_t count : chunk.countOfTriangle) {
+        for (const std::size_t end = i + count; i < end; ++i) {
+            if (i + 2 * kAhead < voxels.size()) {
+                __builtin_prefetch(&refs.voxels[voxels[i + 2 * kAhead]]);
+                __builtin_prefetch(&refs.references[listOf(i + kAhead)], 1);
+            }
+            const std::uint32_t list = listOf(i);
+            const std::uint32_t place =
+                std::atomic_ref(refs.references[list]).fetch_add(1, std::memory_order_relaxed);
+            refs.references[list + 1 + place] = triangle;
+        }
+        ++triangle;
+    }
+}
+
+void fillLists(const std::vector<ChunkVoxels>& chunks, CellRefs& refs) {
+    tbb::parallel_for(std::size_t(0), chunks.size(), [&](std::size_t i) {
+        fillFromChunk(chunks[i], static_cast<std::uint32_t>(i * kTrianglesPerChunk), refs);
+    });
+    forEachBlock(refs.voxels.size(), [&](std::size_t, std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            if (refs.voxels[i] == 0) continue;
+            const auto list = refs.references.begin() + (refs.voxels[i] & ~kOccupiedBit);
+            std::sort(list + 1, list + 1 + *list);
+        }
+    });
+}
+
+} // namespace
+
+VoxelTriangle voxelTriangle(const TriangleRecord& triangle, const GridLayout& layout) {
+    const glm::dvec3 lo(layout.gridLo);
+    const glm::dvec3 cellSize(layout.cellSize);
+    return {(glm::dvec3(triangle.v0) - lo) / cellSize, (glm::dvec3(triangle.v1) - lo) / cellSize,
+            (glm::dvec3(triangle.v2) - lo) / cellSize};
+}
+
+CellRefs binTriangles(std::span<const TriangleRecord> triangles, const GridLayout& layout,
+                      const ReferenceLimit& limit) {
+    const std::vector<ChunkVoxels> chunks = voxelizeAll(triangles, layout, limit);
+    CellRefs refs;
+    refs.voxels.resize(std::size_t(layout.dims.x) * layout.dims.y * layout.dims.z);
+    countReferences(chunks, refs.voxels);
+    placeLists(refs);
+    fillLists(chunks, refs);
+    return refs;
+}
+
+} // namespace rt

@@ -1,0 +1,62 @@
+#include "tools/rt-grid/limits.h"
+
+#include "common/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <unistd.h>
+
+namespace rt {
+namespace {
+
+std::string inMebibytes(std::uint64_t bytes) {
+    return fmt::format("{} MiB", (bytes + (1u << 20) - 1) >> 20);
+}
+
+} // namespace
+
+MemoryLimit defaultMemoryLimit() {
+    const auto pages = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES));
+    const auto pageBytes = static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+    return {pages * pageBytes / 4 * 3, "75 % of this machine's memory"};
+}
+
+std::uint64_t forecastBytes(const BuildSize& size) {
+    const std::uint64_t voxels = std::uint64_t(size.dims.x) * size.dims.y * size.dims.z;
+    return voxels * (size.vdb ? 20u : 4u) + size.triangles * 68u +
+           size.vertices * (size.texcoords ? 12u : 4u) + size.texels * 4u;
+}
+
+ReferenceLimit checkLimits(const std::string& name, const BuildSize& size, const MemoryLimit& limit) {
+    const glm::uvec3& d = size.dims; // at most 2^16 each: the product fits
+    const std::uint64_t voxels = std::uint64_t(d.x) * d.y * d.z;
+    const std::string request =
+        fmt::format("{}: a grid of {}x{}x{} = {} voxels", name, d.x, d.y, d.z, voxels);
+    if (voxels > kMaxVoxels)
+        throw Error(
+            ErrorKind::LimitExceeded,
+            fmt::format("{} would need {} for its voxels alone; at most {} (2^29) voxels are possible; "
+                        "lower --resolution",
+                        request, inMebibytes(voxels * 4u), kMaxVoxels));
+    const std::string remedy =
+        fmt::format("the limit is {} ({}); lower --resolution or --density, or raise --max-memory",
+                    inMebibytes(limit.bytes), limit.origin);
+    const std::uint64_t fixed = forecastBytes(size);
+    const std::uint64_t least = fixed + size.triangles * kBytesPerReference;
+    if (least > limit.bytes)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{} for {} triangles needs at least {}; {}", request, size.triangles,
+                                inMebibytes(least), remedy));
+    const std::uint64_t inMemory = (limit.bytes - fixed) / kBytesPerReference;
+    if (inMemory < kMaxReferenceWords / 2)
+        return {inMemory, fmt::format("{} needs {} and more than {} triangle references of {} bytes; {}",
+                                      request, inMebibytes(fixed), inMemory, kBytesPerReference, remedy)};
+    return {kMaxReferenceWords / 2,
+            fmt::format(
+                "{} has more than {} triangle references, the most that list offsets of 31 bits can reach; "
+                "lower --resolution or --density",
+                request, kMaxReferenceWords / 2)};
+}
+
+} // namespace rt

@@ -1,0 +1,53 @@
+#pragma once
+#include "formats/atlas.shared.h"
+
+#include <cstdint>
+#include <string>
+
+namespace rt {
+
+/// 2^29 voxels of 4 bytes fill the largest storage buffer that current GL drivers offer, 2 GiB.
+inline constexpr std::uint64_t kMaxVoxels = std::uint64_t(1) << 29;
+inline constexpr std::uint64_t kMaxReferenceWords = 0x7FFFFFFFu; ///< list offsets have 31 bits
+
+/// What a build has to hold in memory.
+struct BuildSize {
+    glm::uvec3 dims{1u};
+    std::uint64_t triangles = 0;
+    std::uint64_t vertices = 0;
+    std::uint64_t texels = 0; ///< of all texture pages
+    bool texcoords = false;
+    bool vdb = false;
+};
+
+/// How much memory a build may use, and where that number comes from, for messages.
+struct MemoryLimit {
+    std::uint64_t bytes = 0;
+    std::string origin;
+};
+
+/// 75 % of the machine's physical memory.
+MemoryLimit defaultMemoryLimit();
+
+/// Bytes of a build without its triangle lists:
+///     voxels * (4 + 16 if a VDB file is written) + triangles * (48 + 16 + 4) + vertices * (4 + 8 with
+///     texcoords)
+///     + texels * 4.
+std::uint64_t forecastBytes(const BuildSize& size);
+
+/// Bytes that one triangle-voxel reference costs at most while lists are built: its voxel (4), its place in
+/// the list (4), and the list's count (4) if it is alone in it.
+inline constexpr std::uint64_t kBytesPerReference = 12;
+
+/// How many references binning may make, and what to say if it makes more.
+struct ReferenceLimit {
+    std::uint64_t references = kMaxReferenceWords / 2;
+    std::string message;
+};
+
+/// Throws Error{LimitExceeded}, message prefixed by `name`, if there are too many voxels, or if
+/// forecastBytes() and one reference per triangle exceed `limit`. Otherwise returns how many references the
+/// rest of `limit` has room for.
+ReferenceLimit checkLimits(const std::string& name, const BuildSize& size, const MemoryLimit& limit);
+
+} // namespace rt

@@ -1,0 +1,129 @@
+#include "tools/rt-grid/options.h"
+
+#include "common/error.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <openvdb/version.h>
+#include <tbb/version.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace rt {
+namespace {
+
+// What the options hold before they are understood.
+struct RawOptions {
+    std::string structure = "cloud";
+    std::string resolution;
+    double density = 0.0;
+    std::string maxMemory;
+};
+
+const char* const kDescription = "Builds the acceleration structure of a .rtmesh and writes it, with all "
+                                 "that rendering needs, as a .rtatlas.\n"
+                                 "The defaults suit most scenes. Touch --resolution or --density to trade "
+                                 "memory for speed: twice the density is\n"
+                                 "twice the voxels and fewer triangle tests per ray. A small object in a "
+                                 "large scene wants a high --resolution.";
+
+void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
+    app.add_option("mesh", options.meshPath, "Input; - for standard input")
+        ->required()
+        ->type_name("scene.rtmesh");
+    app.add_option("-o,--output", options.atlasPath, "Output; - for standard output")
+        ->required()
+        ->type_name("scene.rtatlas");
+    app.add_option(
+           "--structure", raw.structure,
+           "cloud (default): empty voxels know how far rays may leap; uniform: plain grid, for comparisons "
+           "and for builds in a hurry")
+        ->check(CLI::IsMember({"uniform", "cloud"}))
+        ->type_name("uniform|cloud");
+    auto* resolution =
+        app.add_option("--resolution", raw.resolution,
+                       fmt::format("N voxels along the longest side and cubic voxels (at least 1 on every "
+                                   "axis), or exactly X by Y by Z; up to {} on an axis, 2^29 in all",
+                                   kMaxRequestedSide))
+            ->type_name("N|XxYxZ");
+    app.add_option("--density", raw.density,
+                   fmt::format("Voxels per triangle, when there is no --resolution; about {} per triangle "
+                               "for uniform, {} for "
+                               "cloud if not given; up to {} on an axis",
+                               kUniformVoxelsPerTriangle, kCloudVoxelsPerTriangle, kMaxAutomaticSide))
+        ->check(CLI::Range(1e-6, 1e9))
+        ->excludes(resolution)
+        ->type_name("D");
+    app.add_option(
+           "--max-memory", raw.maxMemory,
+           fmt::format(
+               "Refuse builds that need more, e.g. 800M or 12G; by default 75 % of this machine's memory, "
+               "{}M. Raise it only if you mean to swap",
+               defaultMemoryLimit().bytes >> 20))
+        ->type_name("SIZE");
+    app.add_option("--vdb", options.vdbPath,
+                   "Write the voxels as OpenVDB grids too: to look at a grid in other programs")
+        ->type_name("out.vdb");
+}
+
+void understand(const RawOptions& raw, GridOptions& options) {
+    BuildOptions& build = options.build;
+    const bool uniform = raw.structure == "uniform";
+    build.structure = uniform ? kStructureUniform : kStructureCloud;
+    build.resolution.voxelsPerTriangle = raw.density > 0.0 ? raw.density
+                                         : uniform         ? kUniformVoxelsPerTriangle
+                                                           : kCloudVoxelsPerTriangle;
+    if (!raw.resolution.empty()) parseResolution(raw.resolution, build.resolution);
+    if (!raw.maxMemory.empty()) build.memory = {parseByteSize(raw.maxMemory, "--max-memory"), "--max-memory"};
+    build.vdb = !options.vdbPath.empty();
+    std::vector<std::string> paths{options.atlasPath};
+    for (const std::string& path : {options.vdbPath, options.common.jsonPath})
+        if (!path.empty()) paths.push_back(path);
+    std::sort(paths.begin(), paths.end());
+    const auto twice = std::adjacent_find(paths.begin(), paths.end());
+    if (twice != paths.end())
+        throw Error(ErrorKind::Usage, fmt::format("{} is named for two outputs; name different files",
+                                                  *twice == "-" ? "standard output" : *twice));
+}
+
+} // namespace
+
+std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv) {
+    GridOptions options;
+    RawOptions raw;
+    CLI::App app(kDescription, "rt-grid");
+    declare(app, options, raw);
+    addCommonOptions(app, options.common,
+                     fmt::format("OpenVDB {}\noneTBB {}.{}\nGLM {}.{}.{}.{}",
+                                 openvdb::getLibraryVersionString(), TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
+                                 GLM_VERSION_MAJOR, GLM_VERSION_MINOR, GLM_VERSION_PATCH,
+                                 GLM_VERSION_REVISION));
+    if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
+    understand(raw, options);
+    return options;
+}
+
+std::uint64_t parseByteSize(const std::string& text, const std::string& option) {
+    std::uint64_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, status] = std::from_chars(text.data(), end, value);
+    const std::string_view suffix(rest, static_cast<std::size_t>(end - rest));
+    const int shift = suffix.empty() ? 0 : suffix == "K" ? 10 : suffix == "M" ? 20 : suffix == "G" ? 30 : -1;
+    if (status != std::errc() || value == 0 || shift < 0 || value > (~std::uint64_t(0) >> shift))
+        throw Error(
+            ErrorKind::Usage,
+            fmt::format("{}: '{}' is not a size; write for example 800M or 12G (K, M, G)", option, text));
+    return value << shift;
+}
+
+void parseResolution(const std::string& text, ResolutionRequest& request) {
+    if (text.find('x') == std::string::npos) {
+        request.longestSide = parseSizes(text, 1, "--resolution")[0];
+    } else {
+        const std::vector<unsigned> sizes = parseSizes(text, 3, "--resolution");
+        request.exact = glm::uvec3(sizes[0], sizes[1], sizes[2]);
+    }
+}
+
+} // namespace rt

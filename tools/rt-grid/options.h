@@ -1,0 +1,28 @@
+#pragma once
+#include "common/command_line.h"
+#include "tools/rt-grid/build_atlas.h"
+
+#include <optional>
+
+namespace rt {
+
+struct GridOptions {
+    std::string meshPath;
+    std::string atlasPath;
+    std::string vdbPath; ///< empty = none
+    BuildOptions build;
+    CommonOptions common;
+};
+
+/// Parses rt-grid's command line. Returns nothing when --help or --version was asked for and printed.
+/// Throws Error{Usage}.
+std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv);
+
+/// Parses a number of bytes: digits and, for multiples of 1024, 1024^2 or 1024^3, K, M or G.
+/// Throws Error{Usage} naming `option`.
+std::uint64_t parseByteSize(const std::string& text, const std::string& option);
+
+/// Parses "N" (longest side) or "XxYxZ" into `request`. Throws Error{Usage}.
+void parseResolution(const std::string& text, ResolutionRequest& request);
+
+} // namespace rt

@@ -1,0 +1,103 @@
+#include "tools/rt-grid/pack_atlas.h"
+
+#include "formats/octahedral.shared.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+
+namespace rt {
+namespace {
+
+std::vector<glm::uvec4> verticesOfTriangles(const Mesh& mesh) {
+    std::vector<glm::uvec4> vertices(mesh.triangles.size());
+    tbb::parallel_for(std::size_t(0), vertices.size(), [&](std::size_t i) {
+        vertices[i] = glm::uvec4(mesh.triangles[i], mesh.triangleMaterial[i]);
+    });
+    return vertices;
+}
+
+std::vector<std::uint32_t> encodedNormals(const Mesh& mesh) {
+    std::vector<std::uint32_t> encoded(mesh.normals.size());
+    tbb::parallel_for(std::size_t(0), encoded.size(),
+                      [&](std::size_t i) { encoded[i] = octEncode(mesh.normals[i]); });
+    return encoded;
+}
+
+SharedSpan<Material> materialsWithoutImages(const Mesh& mesh) {
+    std::vector<Material> materials(mesh.materials.begin(), mesh.materials.end());
+    for (Material& material : materials) material.images.x = kNoImage;
+    return materials;
+}
+
+std::uint32_t largestDistance(const std::vector<std::uint32_t>& voxels) {
+    using Range = tbb::blocked_range<std::size_t>;
+    const auto ofRange = [&](const Range& range, std::uint32_t largest) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            if (!(voxels[i] & kOccupiedBit)) largest = std::max(largest, voxels[i]);
+        return largest;
+    };
+    return tbb::parallel_reduce(Range(0, voxels.size()), 0u, ofRange,
+                                [](std::uint32_t a, std::uint32_t b) { return std::max(a, b); });
+}
+
+AtlasInfo makeInfo(const MeshFile& meshFile, const GridStages& stages) {
+    const Bounds world = boundsOf(meshFile.mesh);
+    AtlasInfo info{};
+    for (int axis = 0; axis < 3; ++axis) {
+        info.worldLo[axis] = world.lo[axis];
+        info.worldHi[axis] = world.hi[axis];
+    }
+    info.padCells = stages.layout.padCells;
+    info.meshHash = meshFile.contentHash;
+    info.occupiedVoxels = stages.refs.occupiedVoxels;
+    info.references = stages.refs.referenceCount;
+    info.maxDistance = largestDistance(stages.refs.voxels);
+    info.pageWidth = stages.pages.width;
+    info.pageHeight = stages.pages.height;
+    info.pageCount = stages.pages.pageCount;
+    return info;
+}
+
+GridParams makeGrid(const Mesh& mesh, std::uint32_t structure, const GridStages& stages) {
+    const GridLayout& layout = stages.layout;
+    GridParams grid{};
+    grid.gridLo = glm::vec4(layout.gridLo, 0.0f);
+    grid.cellSize = glm::vec4(layout.cellSize, 0.0f);
+    grid.cellsPerUnit = glm::vec4(layout.cellsPerUnit, 0.0f);
+    grid.worldOffset = glm::vec4(stages.rebase.offsetWorld, stages.rebase.scale);
+    grid.dims = glm::uvec4(layout.dims, structure);
+    grid.counts =
+        glm::uvec4(mesh.triangles.size(), mesh.positions.size(), mesh.materials.size(), mesh.lights.size());
+    return grid;
+}
+
+} // namespace
+
+bool showsImages(const Mesh& mesh) {
+    return !mesh.texcoords.empty() && std::any_of(mesh.materials.begin(), mesh.materials.end(),
+                                                  [](const Material& m) { return m.images.x != kNoImage; });
+}
+
+Atlas packAtlas(const MeshFile& meshFile, std::uint32_t structure, GridStages stages) {
+    const Mesh& mesh = meshFile.mesh;
+    const bool textured = showsImages(mesh);
+    Atlas atlas;
+    atlas.info = makeInfo(meshFile, stages);
+    atlas.grid = makeGrid(mesh, structure, stages);
+    atlas.voxels = std::move(stages.refs.voxels);
+    atlas.references = std::move(stages.refs.references);
+    atlas.triangles = std::move(stages.triangles);
+    atlas.triangleVertices = verticesOfTriangles(mesh);
+    atlas.normals = encodedNormals(mesh);
+    if (textured) atlas.texcoords = mesh.texcoords;
+    atlas.materials = textured ? mesh.materials : materialsWithoutImages(mesh);
+    atlas.lights = mesh.lights;
+    atlas.pages = paintPages(mesh, stages.pages);
+    atlas.images = std::move(stages.pages.places);
+    return atlas;
+}
+
+} // namespace rt

@@ -1,0 +1,89 @@
+#include "tools/rt-grid/pack_textures.h"
+
+#include "common/error.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+
+namespace rt {
+namespace {
+
+std::vector<std::size_t> tallestFirst(const SharedSpan<MeshImage>& images) {
+    std::vector<std::size_t> order(images.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return images[a].height > images[b].height; });
+    return order;
+}
+
+// No image may be larger than `side`.
+PageLayout placeOnShelves(const SharedSpan<MeshImage>& images, const std::vector<std::size_t>& order,
+                          std::uint32_t side) {
+    PageLayout layout;
+    layout.places.resize(images.size());
+    layout.width = layout.height = side;
+    std::uint32_t x = 0, shelf = 0, nextShelf = 0, page = 0;
+    for (const std::size_t i : order) {
+        const MeshImage& image = images[i];
+        if (x + image.width > side) {
+            x = 0;
+            shelf = nextShelf;
+        }
+        if (shelf + image.height > side) {
+            x = shelf = 0;
+            ++page;
+        }
+        if (x == 0) nextShelf = shelf + image.height; // the first of a shelf is its tallest
+        layout.places[i] = {glm::uvec4(x, shelf, image.width, image.height),
+                            glm::uvec4(page, image.wrapU, image.wrapV, 0u)};
+        x += image.width;
+    }
+    layout.pageCount = page + 1;
+    if (page == 0) layout.height = nextShelf;
+    return layout;
+}
+
+} // namespace
+
+PageLayout placeImages(const SharedSpan<MeshImage>& images, const std::string& name) {
+    if (images.empty()) return {};
+    std::uint32_t longest = 0;
+    std::uint64_t texels = 0;
+    for (const MeshImage& image : images) {
+        longest = std::max({longest, image.width, image.height});
+        texels += std::uint64_t(image.width) * image.height;
+    }
+    if (longest > kMaxPageSide)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: an image is {} pixels wide or high; at most {} are "
+                                "possible; scale it down",
+                                name, longest, kMaxPageSide));
+    const std::vector<std::size_t> order = tallestFirst(images);
+    std::uint32_t side = std::bit_ceil(longest);
+    while (side < kUsualPageSide && std::uint64_t(side) * side < texels) side *= 2;
+    for (; side < kUsualPageSide; side *= 2) {
+        PageLayout layout = placeOnShelves(images, order, side);
+        if (layout.pageCount == 1) return layout;
+    }
+    return placeOnShelves(images, order, side);
+}
+
+std::vector<std::uint32_t> paintPages(const Mesh& mesh, const PageLayout& layout) {
+    std::vector<std::uint32_t> texels(layout.texelCount());
+    tbb::parallel_for(std::size_t(0), layout.places.size(), [&](std::size_t i) {
+        const glm::uvec4& rect = layout.places[i].rect;
+        const std::uint32_t* from = mesh.pixels.data() + mesh.images[i].firstPixel;
+        for (std::uint32_t row = 0; row < rect.w; ++row, from += rect.z) {
+            const std::size_t line = std::size_t(layout.places[i].page.x) * layout.height + rect.y + row;
+            std::copy_n(from, rect.z,
+                        texels.begin() + static_cast<std::ptrdiff_t>(line * layout.width + rect.x));
+        }
+    });
+    return texels;
+}
+
+} // namespace rt

@@ -1,0 +1,52 @@
+#include "tools/rt-grid/rebase_scene.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace rt {
+namespace {
+
+constexpr int kMaxExponent = 120; // keeps the scale and its inverse normal numbers
+
+// Sterbenz's condition for all pairs of numbers in [lo, hi].
+bool subtractsExactly(float lo, float hi) {
+    return (lo > 0.0f && double(hi) <= 2.0 * double(lo)) || (hi < 0.0f && double(lo) >= 2.0 * double(hi));
+}
+
+} // namespace
+
+Rebase chooseRebase(const Bounds& bounds) {
+    Rebase rebase;
+    double largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const float lo = bounds.lo[axis];
+        const float hi = bounds.hi[axis];
+        largest = std::max(largest, double(hi) - double(lo));
+        if (subtractsExactly(lo, hi))
+            rebase.offsetWorld[axis] = static_cast<float>(0.5 * (double(lo) + double(hi)));
+    }
+    if (largest > 0.0) {
+        int exponent = 0;
+        std::frexp(largest, &exponent);
+        rebase.scale = std::ldexp(1.0f, std::clamp(-exponent, -kMaxExponent, kMaxExponent));
+    }
+    return rebase;
+}
+
+std::vector<TriangleRecord> rebaseTriangles(const Mesh& mesh, const Rebase& rebase) {
+    std::vector<TriangleRecord> records(mesh.triangles.size());
+    const auto rebased = [&](std::uint32_t vertex, float w) {
+        return glm::vec4((mesh.positions[vertex] - rebase.offsetWorld) * rebase.scale, w);
+    };
+    tbb::parallel_for(std::size_t(0), records.size(), [&](std::size_t i) {
+        const glm::uvec3& t = mesh.triangles[i];
+        const auto index = std::bit_cast<float>(static_cast<std::uint32_t>(i));
+        records[i] = {rebased(t.x, index), rebased(t.y, 0.0f), rebased(t.z, 0.0f)};
+    });
+    return records;
+}
+
+} // namespace rt

@@ -1,0 +1,83 @@
+#include "tools/rt-grid/report.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+
+namespace rt {
+namespace {
+
+const char* structureName(const Atlas& atlas) {
+    return atlas.grid.dims.w == kStructureCloud ? "cloud" : "uniform";
+}
+
+double referencesPerTriangle(const Atlas& atlas) {
+    return static_cast<double>(atlas.info.references) / static_cast<double>(atlas.triangles.size());
+}
+
+std::uint64_t structureBytes(const Atlas& atlas) {
+    return atlas.voxels.size_bytes() + atlas.references.size_bytes();
+}
+
+// Nothing for standard output and devices.
+nlohmann::json fileBytes(const std::string& path) {
+    std::error_code unknown;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, unknown);
+    return unknown ? nlohmann::json() : nlohmann::json(bytes);
+}
+
+} // namespace
+
+double buildMs(const StageTimer& timer) {
+    double total = 0.0;
+    for (const auto& [stage, ms] : timer.stagesMs())
+        if (stage != "read" && stage != "vdb" && stage != "write") total += ms;
+    return total;
+}
+
+std::string summaryOf(const GridReport& report) {
+    const Atlas& atlas = report.atlas;
+    const glm::uvec4& dims = atlas.grid.dims;
+    return fmt::format(
+        "{} {}x{}x{} = {} voxels, {} occupied, {:.2f} references per triangle, largest distance {}, "
+        "{:.1f} MB of voxels and lists for {} triangles, {:.0f} ms",
+        structureName(atlas), dims.x, dims.y, dims.z, atlas.voxelCount(), atlas.info.occupiedVoxels,
+        referencesPerTriangle(atlas), atlas.info.maxDistance,
+        static_cast<double>(structureBytes(atlas)) * 1e-6, atlas.triangles.size(), buildMs(report.timer));
+}
+
+nlohmann::json jsonOf(const GridReport& report) {
+    const Atlas& atlas = report.atlas;
+    const glm::uvec4& dims = atlas.grid.dims;
+    const double ms = buildMs(report.timer);
+    nlohmann::json json;
+    json["tool"] = "rt-grid";
+    json["input"] = report.options.meshPath;
+    json["output"] = report.options.atlasPath;
+    json["structure"] = structureName(atlas);
+    json["resolution"] = {dims.x, dims.y, dims.z};
+    json["voxels"] = atlas.voxelCount();
+    json["occupiedVoxels"] = atlas.info.occupiedVoxels;
+    json["references"] = atlas.info.references;
+    json["referencesPerTriangle"] = referencesPerTriangle(atlas);
+    json["maxDistance"] = atlas.info.maxDistance;
+    json["padCells"] = atlas.info.padCells;
+    json["triangles"] = atlas.triangles.size();
+    json["vertices"] = atlas.normals.size();
+    json["materials"] = atlas.materials.size();
+    json["lights"] = atlas.lights.size();
+    json["images"] = atlas.images.size();
+    json["texturePages"] = {atlas.info.pageWidth, atlas.info.pageHeight, atlas.info.pageCount};
+    json["structureBytes"] = structureBytes(atlas);
+    json["fileBytes"] = fileBytes(report.options.atlasPath);
+    json["meshHash"] = fmt::format("{:016x}", atlas.info.meshHash);
+    for (const auto& [stage, stageMs] : report.timer.stagesMs()) json["stagesMs"][stage] = stageMs;
+    json["buildMs"] = ms;
+    json["trianglesPerSecond"] = static_cast<double>(atlas.triangles.size()) / (ms * 1e-3);
+    json["peakMemoryBytes"] = peakMemoryBytes();
+    json["maxMemoryBytes"] = report.options.build.memory.bytes;
+    return json;
+}
+
+} // namespace rt

@@ -1,0 +1,98 @@
+#include "tools/rt-import/import_model.h"
+
+#include "common/stage_timer.h"
+#include "tools/rt-import/load_images.h"
+#include "tools/rt-import/model_folder.h"
+#include "tools/rt-import/open_model.h"
+#include "tools/rt-import/read_lights.h"
+#include "tools/rt-import/read_scene.h"
+#include "tools/rt-import/repair_mesh.h"
+#include "tools/rt-import/weld_vertices.h"
+
+#include <assimp/scene.h>
+
+namespace rt {
+namespace {
+
+// All that is taken from the file, so that the library's own copy of it can be freed before the mesh is
+// built.
+struct SceneParts {
+    SceneSoup soup;
+    std::vector<Material> materials;
+    std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `materials`
+    LoadedImages images;
+    std::vector<Light> lights;
+};
+
+Bounds boundsOf(const SceneSoup& soup) {
+    Bounds bounds;
+    for (const glm::vec3& position : soup.positions) bounds.add(position);
+    return bounds;
+}
+
+// A facet of an STL file states its own plane's normal, which would hide the surface's smoothness.
+bool hasOwnNormals(const std::string& path) {
+    return lowerExtension(path) != "stl";
+}
+
+SceneParts readParts(const std::string& path, ModelFolder& folder, ImportReport& report, StageTimer& timer) {
+    timer.begin("read");
+    const OpenModel model(path, folder, report.warnings);
+    const aiScene& scene = model.scene();
+    const std::vector<MeshInstance> instances = listInstances(scene);
+
+    timer.begin("materials");
+    SceneParts parts;
+    const std::vector<bool> used = findUsedMaterials(scene, instances, path);
+    parts.slotOf.assign(used.size(), 0);
+    SoupOptions soupOptions{hasOwnNormals(path), false, std::vector<std::uint32_t>(used.size(), 0)};
+    std::vector<MaterialSource> sources;
+    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+        if (!used[m]) continue;
+        parts.slotOf[m] = static_cast<std::uint32_t>(sources.size());
+        sources.push_back(readMaterial(*scene.mMaterials[m], report.warnings));
+        if (sources.back().texture) soupOptions.uvChannel[m] = sources.back().texture->uvChannel;
+    }
+    parts.images = loadImages(scene, sources, folder, report.warnings);
+    soupOptions.texcoords = !parts.images.images.empty();
+    for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
+
+    timer.begin("soup");
+    parts.soup = readSoup(scene, instances, soupOptions, path);
+    parts.lights = readPointLights(scene, boundsOf(parts.soup).centre(), report.warnings);
+    report.droppedFaces = parts.soup.droppedFaces;
+    return parts;
+}
+
+} // namespace
+
+ImportedModel importModel(const std::string& path, double creaseDegrees, StageTimer& timer) {
+    ImportedModel result;
+    ModelFolder folder(path);
+    SceneParts parts = readParts(path, folder, result.report, timer);
+
+    timer.begin("repair");
+    const Weld weld = weldPositions(parts.soup);
+    result.report.weldedVertices = weld.positions.size();
+    result.report.generatedNormals = countMissingNormals(parts.soup);
+    const RepairedSurface surface =
+        repairSurface(weld.positions, weld.triangles, creaseDegrees, result.report.generatedNormals > 0);
+    result.report.degenerateTriangles = surface.degenerateTriangles;
+    result.report.nonManifoldFaces = surface.nonManifoldFaces;
+
+    timer.begin("merge");
+    Mesh& mesh = result.mesh;
+    mesh = mergeCorners(parts.soup, weld, surface.cornerNormals);
+    for (std::uint32_t& material : parts.soup.triangleMaterial) material = parts.slotOf[material];
+    mesh.triangleMaterial = std::move(parts.soup.triangleMaterial);
+    mesh.materials = std::move(parts.materials);
+    mesh.lights = std::move(parts.lights);
+    mesh.images = std::move(parts.images.images);
+    mesh.pixels = std::move(parts.images.pixels);
+    validate(mesh, path);
+    timer.end();
+    result.filesRead = folder.filesRead();
+    return result;
+}
+
+} // namespace rt

@@ -1,0 +1,28 @@
+#pragma once
+#include "formats/mesh.h"
+#include "tools/rt-import/read_materials.h"
+
+#include <string>
+#include <vector>
+
+struct aiScene;
+
+namespace rt {
+
+class ModelFolder;
+
+inline constexpr std::uint32_t kMaxImageSide = 16384; // what every GL 4.5 device takes as a texture
+
+struct LoadedImages {
+    std::vector<MeshImage> images;
+    std::vector<std::uint32_t> pixels;
+};
+
+/// Decodes the textures of `materials` to RGBA8 and sets their images.x. There is one image for each file and
+/// way of wrapping; a file is decoded once. A texture that is missing or damaged leaves its material with the
+/// colour factor and adds a warning. Throws Error{LimitExceeded} for an image wider or higher than
+/// kMaxImageSide.
+LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials, ModelFolder& folder,
+                        std::vector<std::string>& warnings);
+
+} // namespace rt

@@ -1,0 +1,48 @@
+#pragma once
+#include "tools/rt-trace/gl_limits.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace rt {
+
+/// What --list-devices says of a device.
+struct GlDevice {
+    unsigned index = 0;
+    bool software = false;
+    std::string renderer;
+    std::string version;
+    std::string driver;
+    std::string problem; ///< why it cannot be used; empty if it can
+};
+
+/// A current OpenGL 4.5 core context without a window. There is at most one at a time.
+class GlContext {
+public:
+    /// `device`: "auto" (hardware first, in the order of the list, then software), "software", or an index of
+    /// listGlDevices(). `threads`: of software renderers; 0 = all.
+    /// Throws Error{NoGpu} if none of them gives such a context.
+    static std::unique_ptr<GlContext> open(const std::string& device, int threads);
+
+    ~GlContext();
+    GlContext(const GlContext&) = delete;
+    GlContext& operator=(const GlContext&) = delete;
+
+    const GlDevice& device() const { return device_; }
+    const GlLimits& limits() const { return limits_; }
+
+private:
+    friend class GlDeviceList;
+    GlContext() = default;
+
+    void* display_ = nullptr; // EGLDisplay
+    void* context_ = nullptr; // EGLContext
+    GlDevice device_;
+    GlLimits limits_;
+};
+
+/// Every device that EGL knows, each tried. Throws Error{NoGpu} if there is no EGL.
+std::vector<GlDevice> listGlDevices();
+
+} // namespace rt

@@ -1,0 +1,19 @@
+#pragma once
+#include "tools/rt-trace/shader_resources.h"
+
+namespace rt {
+
+/// What the current GL context allows.
+struct GlLimits {
+    ResourceLimits resources;
+    unsigned textureSize2D = 0;
+    unsigned arrayLayers = 0;
+    unsigned groupCountX = 0; ///< work groups of one dispatch
+    unsigned groupCountY = 0;
+};
+
+/// Asks the current context. `software`: it is one of Mesa's software renderers, whose textures have a limit
+/// in bytes that GL has no name for.
+GlLimits queryGlLimits(bool software);
+
+} // namespace rt

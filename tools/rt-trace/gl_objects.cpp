@@ -1,0 +1,191 @@
+#include "tools/rt-trace/gl_objects.h"
+
+#include "common/error.h"
+
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace rt {
+namespace {
+
+constexpr std::uint64_t kTransferBytes =
+    64u << 20; // of a texture at a time: drivers copy each piece, and count its bytes in 31 bits
+
+GLsizei toSize(unsigned value) {
+    return static_cast<GLsizei>(value);
+}
+
+void requireAddressable(std::uint64_t bytes) {
+    if (bytes > static_cast<std::uint64_t>(std::numeric_limits<GLsizeiptr>::max()))
+        throw Error(ErrorKind::LimitExceeded, fmt::format("a buffer of {} bytes is too large", bytes));
+}
+
+template <class GetParameter, class GetLog>
+std::string logOf(GLuint object, GetParameter getParameter, GetLog getLog) {
+    GLint length = 0;
+    getParameter(object, GL_INFO_LOG_LENGTH, &length);
+    std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
+    GLsizei written = 0;
+    getLog(object, length, &written, log.data());
+    log.resize(static_cast<std::size_t>(written));
+    return log;
+}
+
+GlBuffer createEmptyBuffer(std::uint64_t size, GLbitfield flags) {
+    requireAddressable(size);
+    GLuint name = 0;
+    glCreateBuffers(1, &name);
+    GlBuffer buffer(name);
+    glNamedBufferStorage(name, static_cast<GLsizeiptr>(std::max<std::uint64_t>(size, 16)), nullptr, flags);
+    checkGl(fmt::format("making a buffer of {} bytes", size));
+    return buffer;
+}
+
+class Shader {
+public:
+    explicit Shader(GLenum stage) : name_(glCreateShader(stage)) {}
+    ~Shader() { glDeleteShader(name_); }
+    Shader(const Shader&) = delete;
+    Shader& operator=(const Shader&) = delete;
+    GLuint name() const { return name_; }
+
+private:
+    GLuint name_;
+};
+
+} // namespace
+
+void deleteBuffer(GlName name) {
+    glDeleteBuffers(1, &name);
+}
+void deleteTexture(GlName name) {
+    glDeleteTextures(1, &name);
+}
+void deleteProgram(GlName name) {
+    glDeleteProgram(name);
+}
+void deleteQuery(GlName name) {
+    glDeleteQueries(1, &name);
+}
+
+void checkGl(const std::string& doing) {
+    const GLenum error = glGetError();
+    if (error == GL_NO_ERROR) return;
+    for (int i = 0; i < 16 && glGetError() != GL_NO_ERROR; ++i) { // later ones follow from the first
+    }
+    if (error == GL_OUT_OF_MEMORY)
+        throw Error(ErrorKind::LimitExceeded,
+                    doing + ": the device has not enough memory; lower rt-grid's --resolution or the --size");
+    throw Error(ErrorKind::Internal, fmt::format("{}: GL error 0x{:04x}", doing, error));
+}
+
+GlBuffer createBuffer(std::span<const std::byte> bytes) {
+    static constexpr std::array<std::byte, 16> kNothing{};
+    if (bytes.empty()) bytes = kNothing;
+    requireAddressable(bytes.size());
+    GLuint name = 0;
+    glCreateBuffers(1, &name);
+    GlBuffer buffer(name);
+    glNamedBufferStorage(name, static_cast<GLsizeiptr>(bytes.size()), bytes.data(), 0);
+    checkGl(fmt::format("uploading a buffer of {} bytes", bytes.size()));
+    return buffer;
+}
+
+GlBuffer createOutputBuffer(std::uint64_t size) {
+    return createEmptyBuffer(size, 0);
+}
+GlBuffer createDynamicBuffer(std::uint64_t size) {
+    return createEmptyBuffer(size, GL_DYNAMIC_STORAGE_BIT);
+}
+
+void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes) {
+    glNamedBufferSubData(buffer.name(), 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+    checkGl("changing a buffer");
+}
+
+void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes) {
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glGetNamedBufferSubData(buffer.name(), 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
+    checkGl("reading a buffer back");
+}
+
+GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height) {
+    GLuint name = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &name);
+    GlTexture texture(name);
+    glTextureStorage2D(name, 1, format, toSize(width), toSize(height));
+    checkGl(fmt::format("making a texture of {}x{}", width, height));
+    return texture;
+}
+
+GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth) {
+    GLuint name = 0;
+    glCreateTextures(target, 1, &name);
+    GlTexture texture(name);
+    glTextureStorage3D(name, 1, format, toSize(width), toSize(height), toSize(depth));
+    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    checkGl(fmt::format("making a texture of {}x{}x{}", width, height, depth));
+    return texture;
+}
+
+void uploadTexels(const GlTexture& texture, unsigned width, unsigned height, unsigned depth, GlEnum format,
+                  GlEnum type, std::span<const std::uint32_t> texels) {
+    const std::uint64_t layer = std::uint64_t(width) * height;
+    const std::uint64_t most = std::max<std::uint64_t>(kTransferBytes / (layer * sizeof(std::uint32_t)), 1);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    for (unsigned z = 0; z < depth;) {
+        const auto layers = static_cast<unsigned>(std::min<std::uint64_t>(depth - z, most));
+        glTextureSubImage3D(texture.name(), 0, 0, 0, static_cast<GLint>(z), toSize(width), toSize(height),
+                            toSize(layers), format, type, texels.subspan(layer * z, layer * layers).data());
+        z += layers;
+    }
+    checkGl(fmt::format("uploading a texture of {}x{}x{}", width, height, depth));
+}
+
+void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
+                std::span<std::byte> texels) {
+    glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    const std::size_t rowBytes = texels.size() / height;
+    const auto most = static_cast<unsigned>(std::max<std::size_t>(kTransferBytes / rowBytes, 1));
+    for (unsigned y = 0; y < height; y += most) {
+        const unsigned rows = std::min(most, height - y);
+        glGetTextureSubImage(texture.name(), 0, 0, static_cast<GLint>(y), 0, toSize(width), toSize(rows), 1,
+                             format, type, static_cast<GLsizei>(rows * rowBytes),
+                             texels.data() + y * rowBytes);
+    }
+    checkGl("reading a texture back");
+}
+
+GlProgram compileComputeProgram(const ShaderText& source) {
+    const Shader shader(GL_COMPUTE_SHADER);
+    const char* const text = source.text.c_str();
+    glShaderSource(shader.name(), 1, &text, nullptr);
+    glCompileShader(shader.name());
+    GLint ok = GL_FALSE;
+    glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &ok);
+    const std::string entry = source.files.size() > 1 ? source.files[1] : "shader";
+    if (!ok)
+        throw Error(ErrorKind::Internal,
+                    fmt::format("{} does not compile: {}", entry,
+                                nameFiles(logOf(shader.name(), glGetShaderiv, glGetShaderInfoLog), source)));
+    GlProgram program(glCreateProgram());
+    glAttachShader(program.name(), shader.name());
+    glLinkProgram(program.name());
+    glDetachShader(program.name(), shader.name());
+    glGetProgramiv(program.name(), GL_LINK_STATUS, &ok);
+    if (!ok)
+        throw Error(
+            ErrorKind::Internal,
+            fmt::format("{} does not link: {}", entry,
+                        nameFiles(logOf(program.name(), glGetProgramiv, glGetProgramInfoLog), source)));
+    checkGl("compiling " + entry);
+    return program;
+}
+
+} // namespace rt

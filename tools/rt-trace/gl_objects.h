@@ -1,0 +1,72 @@
+#pragma once
+#include "tools/rt-trace/shader_source.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+
+// Owners of GL objects of the current context; all of them must be destroyed before it is. The functions
+// throw Error{LimitExceeded} when the device runs out of memory and Error{Internal} for any other GL error.
+
+namespace rt {
+
+using GlName = unsigned; ///< GLuint
+using GlEnum = unsigned; ///< GLenum
+
+template <void (*Delete)(GlName)>
+class GlObject {
+public:
+    GlObject() = default;
+    explicit GlObject(GlName name) : name_(name) {}
+    GlObject(GlObject&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+    GlObject& operator=(GlObject&& other) noexcept {
+        std::swap(name_, other.name_);
+        return *this;
+    }
+    ~GlObject() {
+        if (name_) Delete(name_);
+    }
+    GlName name() const { return name_; }
+
+private:
+    GlName name_ = 0;
+};
+
+void deleteBuffer(GlName name);
+void deleteTexture(GlName name);
+void deleteProgram(GlName name);
+void deleteQuery(GlName name);
+using GlBuffer = GlObject<deleteBuffer>;
+using GlTexture = GlObject<deleteTexture>;
+using GlProgram = GlObject<deleteProgram>;
+using GlQuery = GlObject<deleteQuery>;
+
+/// Throws for the errors that GL has recorded since the last call. `doing` begins the message.
+void checkGl(const std::string& doing);
+
+/// A buffer that holds `bytes`, or 16 zero bytes if there are none: an empty buffer cannot be bound.
+GlBuffer createBuffer(std::span<const std::byte> bytes);
+/// A buffer of `size` bytes for shaders to write.
+GlBuffer createOutputBuffer(std::uint64_t size);
+/// A buffer of `size` bytes for updateBuffer() to change.
+GlBuffer createDynamicBuffer(std::uint64_t size);
+void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes);
+void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
+
+/// A texture without mipmaps, filtered by GL_NEAREST. `format` is a sized internal format of GL.
+GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height);
+GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth);
+/// Fills a texture of 32-bit texels from the first layer on. `format` and `type` describe `texels` as GL
+/// does.
+void uploadTexels(const GlTexture& texture, unsigned width, unsigned height, unsigned depth, GlEnum format,
+                  GlEnum type, std::span<const std::uint32_t> texels);
+/// Reads a whole 2D texture, row by row from y = 0.
+void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
+                std::span<std::byte> texels);
+
+/// Compiles and links a compute shader. Throws Error{Internal} with the driver's log, files named.
+GlProgram compileComputeProgram(const ShaderText& shader);
+
+} // namespace rt

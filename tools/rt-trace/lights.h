@@ -1,0 +1,24 @@
+#pragma once
+#include "common/bounds.h"
+#include "formats/atlas.h"
+#include "tools/rt-trace/camera.h"
+
+#include <optional>
+#include <vector>
+
+namespace rt {
+
+/// A point light of the command line.
+struct LightRequest {
+    glm::dvec3 position{0.0}; ///< world
+    std::optional<glm::vec3>
+        intensity; ///< absent: enough for a white surface at the scene's centre, see lights.cpp
+};
+
+/// The lights of a picture in atlas space, their intensities scaled so that intensity / distance^2 is the
+/// same in both spaces: those of the command line, else those of the atlas, else a key and a fill light by
+/// the camera.
+std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
+                                const BoundsD& scene, const CameraPose& pose);
+
+} // namespace rt

@@ -1,0 +1,38 @@
+#include "common/run_tool.h"
+#include "tools/rt-trace/gl_context.h"
+#include "tools/rt-trace/options.h"
+#include "tools/rt-trace/trace_rays.h"
+#include "tools/rt-trace/trace_scene.h"
+
+#include <fmt/format.h>
+
+namespace {
+
+void printDevices() {
+    for (const rt::GlDevice& device : rt::listGlDevices()) {
+        const char* const kind = device.software ? "software" : "hardware";
+        if (device.problem.empty())
+            fmt::print("{}  {}  {}  GL {}  {}\n", device.index, kind, device.renderer, device.version,
+                       device.driver);
+        else
+            fmt::print("{}  {}  cannot be used: {}\n", device.index, kind, device.problem);
+    }
+}
+
+int body(int argc, const char* const* argv) {
+    const std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
+    if (!options) return 0;
+    if (options->listDevices)
+        printDevices();
+    else if (options->raysPath.empty())
+        rt::traceScene(*options);
+    else
+        rt::traceRays(*options);
+    return 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return rt::runTool("rt-trace", argc, argv, body);
+}

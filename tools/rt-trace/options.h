@@ -1,0 +1,39 @@
+#pragma once
+#include "common/command_line.h"
+#include "tools/rt-trace/camera.h"
+#include "tools/rt-trace/lights.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace rt {
+
+/// What the command line of rt-trace asks for.
+struct TraceOptions {
+    CommonOptions common;
+    bool listDevices = false;
+    std::string device = "auto";
+    std::string scenePath;
+    std::vector<std::string> outputPaths;
+    bool stats = false;
+
+    // Pictures.
+    glm::uvec2 size{512, 512};
+    CameraRequest camera;
+    std::vector<LightRequest> lights;
+    glm::vec3 ambient{0.1f};
+    glm::vec3 background{0.32f, 0.40f, 0.50f};
+    unsigned maxDepth = 4;
+    bool reproducible = false;
+
+    // Ray queries.
+    std::string raysPath; ///< empty: a picture is wanted
+    bool anyHit = false;
+    unsigned repeat = 0; ///< 0: trace once, without warming the device up
+};
+
+/// Returns nothing when --help or --version was asked for and printed. Throws Error{Usage}.
+std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv);
+
+} // namespace rt

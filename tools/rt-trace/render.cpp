@@ -1,0 +1,77 @@
+#include "tools/rt-trace/render.h"
+
+#include "tools/rt-trace/gpu_timer.h"
+#include "tools/rt-trace/shader_variant.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+
+namespace rt {
+namespace {
+
+constexpr unsigned kSoftwareRows = 64;          // of one dispatch; keeps the program interruptible
+constexpr unsigned kHardwarePixels = 16u << 20; // of one dispatch; displays' watchdogs stop long ones
+
+unsigned tiles(unsigned pixels) {
+    return (pixels + kTileSize - 1) / kTileSize;
+}
+
+unsigned rowsPerDispatch(const glm::uvec4& size, const GlContext& context) {
+    if (context.device().software) return kSoftwareRows;
+    const unsigned rows = std::min(kHardwarePixels / size.x, context.limits().groupCountY * kTileSize);
+    return std::max(rows / kTileSize * kTileSize, kTileSize);
+}
+
+} // namespace
+
+WorkTotals sumWork(std::span<const glm::uvec4> counters) {
+    WorkTotals totals;
+    for (const glm::uvec4& counter : counters) {
+        totals.rays += counter.x;
+        totals.steps += counter.y;
+        totals.tests += counter.z;
+    }
+    return totals;
+}
+
+GpuView::GpuView(const CameraParams& camera, const std::vector<Light>& lights)
+    : camera_(camera), cameraBuffer_(createDynamicBuffer(sizeof(CameraParams))),
+      lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))) {}
+
+void GpuView::bind() const {
+    glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_CAMERA, cameraBuffer_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_LIGHTS, lightBuffer_.name());
+    checkGl("binding the camera");
+}
+
+void GpuView::setFirstRow(unsigned row) const {
+    CameraParams camera = camera_;
+    camera.size.z = row;
+    updateBuffer(cameraBuffer_, std::as_bytes(std::span(&camera, 1)));
+}
+
+void warmUpRender(const GlProgram& program, const GpuView& view) {
+    glUseProgram(program.name());
+    view.setFirstRow(view.camera().size.y); // below the picture: nothing is drawn
+    glDispatchCompute(1, 1, 1);
+    glFinish();
+    checkGl("starting the renderer");
+}
+
+double renderRows(const GlProgram& program, const GpuView& view, const GlContext& context) {
+    const glm::uvec4 size = view.camera().size;
+    const unsigned band = rowsPerDispatch(size, context);
+    glUseProgram(program.name());
+    GpuTimer timer(context.device().software);
+    timer.begin();
+    for (unsigned row = 0; row < size.y; row += band) {
+        view.setFirstRow(row);
+        glDispatchCompute(tiles(size.x), tiles(std::min(band, size.y - row)), 1);
+    }
+    const double elapsedMs = timer.endMs();
+    checkGl("rendering");
+    return elapsedMs;
+}
+
+} // namespace rt

@@ -1,0 +1,63 @@
+#include "tools/rt-trace/scene_features.h"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+namespace rt {
+
+std::span<const FeatureRow> featureTable() {
+    static constexpr FeatureRow kTable[] = {
+        {"RT_STRUCTURE", &SceneFeatures::structure, "the atlas' structure kind"},
+        {"RT_ANY_HIT", &SceneFeatures::anyHit, "--any-hit was asked for"},
+        {"RT_COUNT_WORK", &SceneFeatures::countWork, "--stats was asked for"},
+        {"RT_HAS_TEXTURES", &SceneFeatures::hasTextures, "a material in use has a base-colour image"},
+        {"RT_HAS_REFLECTION", &SceneFeatures::hasReflection, "a material in use reflects"},
+        {"RT_HAS_TRANSMISSION", &SceneFeatures::hasTransmission, "a material in use transmits"},
+        {"RT_HAS_EMISSION", &SceneFeatures::hasEmission, "a material in use emits"},
+        {"RT_HAS_LIGHTS", &SceneFeatures::hasLights, "there is a point light"},
+        {"RT_MAX_DEPTH", &SceneFeatures::maxDepth,
+         "--max-depth, where a material in use reflects or transmits"},
+    };
+    return kTable;
+}
+
+SceneFeatures renderFeatures(const Atlas& atlas, unsigned maxDepth, std::size_t lightCount) {
+    std::vector<bool> used(atlas.materials.size());
+    for (const glm::uvec4& triangle : atlas.triangleVertices) used[triangle.w] = true;
+    SceneFeatures features;
+    features.structure = atlas.grid.dims.w;
+    features.hasLights = lightCount > 0;
+    for (std::size_t i = 0; i < used.size(); ++i) {
+        if (!used[i]) continue;
+        const Material& material = atlas.materials[i];
+        features.hasTextures |= material.images.x != kNoImage;
+        features.hasEmission |=
+            material.emission.x > 0.0f || material.emission.y > 0.0f || material.emission.z > 0.0f;
+        features.hasReflection |= maxDepth > 0 && material.optics.x > 0.0f;
+        features.hasTransmission |= maxDepth > 0 && material.optics.y > 0.0f;
+    }
+    features.maxDepth = features.hasReflection || features.hasTransmission ? maxDepth : 0;
+    return features;
+}
+
+SceneFeatures queryFeatures(const Atlas& atlas, bool anyHit) {
+    SceneFeatures features;
+    features.structure = atlas.grid.dims.w;
+    features.anyHit = anyHit;
+    return features;
+}
+
+std::string featureDefines(const SceneFeatures& features) {
+    std::string text;
+    for (const FeatureRow& row : featureTable())
+        text += fmt::format("#define {} {}\n", row.macro, features.*row.field);
+    return text;
+}
+
+std::string structureName(unsigned structure) {
+    static constexpr const char* kNames[] = {"uniform", "cloud", "octant", "nested"};
+    return structure < std::size(kNames) ? kNames[structure] : "unknown";
+}
+
+} // namespace rt

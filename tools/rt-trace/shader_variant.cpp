@@ -1,0 +1,28 @@
+#include "tools/rt-trace/shader_variant.h"
+
+#include <fmt/format.h>
+
+namespace rt {
+
+ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find) {
+    const bool render = plan.kind == ShaderKind::Render;
+    const std::string prelude = fmt::format(
+        "#version 450 core\n{}#define RT_GROUP_X {}\n#define RT_GROUP_Y {}\n", featureDefines(plan.features),
+        render ? kTileSize : kRaysPerGroup, render ? kTileSize : 1);
+    const auto findWithResources = [&](std::string_view path) -> std::optional<std::string> {
+        if (path == "shaders/resources.glsl") return resourceText(plan);
+        return find(path);
+    };
+    return composeShader(prelude, entry, findWithResources);
+}
+
+ShaderText variantText(const ResourcePlan& plan) {
+    const bool render = plan.kind == ShaderKind::Render;
+    return variantText(plan, render ? "shaders/render.comp.glsl" : "shaders/query.comp.glsl", embeddedShader);
+}
+
+GlProgram compileVariant(const ResourcePlan& plan) {
+    return compileComputeProgram(variantText(plan));
+}
+
+} // namespace rt

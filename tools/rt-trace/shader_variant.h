@@ -1,0 +1,20 @@
+#pragma once
+#include "tools/rt-trace/gl_objects.h"
+#include "tools/rt-trace/shader_resources.h"
+
+namespace rt {
+
+// Work groups: a tile of pixels, or a run of rays.
+inline constexpr unsigned kTileSize = 8;
+inline constexpr unsigned kRaysPerGroup = 64;
+
+/// The entry shader of the plan's kind, shaders/render.comp.glsl or shaders/query.comp.glsl, for its
+/// features.
+ShaderText variantText(const ResourcePlan& plan);
+/// As variantText() with an entry shader that `find` knows.
+ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find);
+
+/// Compiles variantText(plan). Throws as compileComputeProgram() does.
+GlProgram compileVariant(const ResourcePlan& plan);
+
+} // namespace rt

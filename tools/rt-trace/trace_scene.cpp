@@ -1,0 +1,140 @@
+#include "tools/rt-trace/trace_scene.h"
+
+#include "common/json_file.h"
+#include "common/log.h"
+#include "tools/rt-trace/render_image.h"
+#include "tools/rt-trace/report.h"
+#include "tools/rt-trace/shader_variant.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace rt {
+namespace {
+
+BoundsD sceneBounds(const AtlasInfo& info) {
+    return {{info.worldLo[0], info.worldLo[1], info.worldLo[2]},
+            {info.worldHi[0], info.worldHi[1], info.worldHi[2]}};
+}
+
+CameraParams cameraParams(const TraceOptions& options, const CameraPose& pose, double aspect,
+                          const GridParams& grid) {
+    CameraParams params = cameraInAtlas(pose, aspect, grid);
+    params.background = glm::vec4(options.background, 0.0f);
+    params.ambient = glm::vec4(options.ambient, 0.0f);
+    params.size = {options.size, 0, 0};
+    return params;
+}
+
+/// Renders again with a variant that counts.
+WorkTotals countRenderWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
+                           const GpuView& view) {
+    plan.features.countWork = 1;
+    const GlProgram program = compileVariant(plan);
+    const Film film(options.size, true, context.limits());
+    film.bind();
+    renderRows(program, view, context);
+    return sumWork(film.readCounters());
+}
+
+struct Rendered {
+    FilmPixels pixels;
+    SceneFeatures features;
+    double gpuMs = 0.0;
+    std::optional<WorkTotals> work;
+};
+
+Rendered render(const TraceOptions& options, const Atlas& atlas, const CameraParams& camera,
+                const std::vector<Light>& lights, const GlContext& context, StageTimer& stages) {
+    const std::string& name = options.scenePath;
+    stages.begin("upload");
+    const ResourcePlan plan = planResources(atlas, renderFeatures(atlas, options.maxDepth, lights.size()),
+                                            ShaderKind::Render, context.limits().resources, name);
+    const Film film(options.size, false, context.limits());
+    const GpuAtlas gpuAtlas =
+        uploadAtlas(atlas, plan, context.limits(), static_cast<unsigned>(lights.size()), name);
+    const GpuView view(camera, lights);
+    gpuAtlas.bind();
+    view.bind();
+    film.bind();
+    stages.begin("compile");
+    const GlProgram program = compileVariant(plan);
+    warmUpRender(program, view);
+    stages.end();
+    Rendered rendered;
+    rendered.features = plan.features;
+    rendered.gpuMs = renderRows(program, view, context);
+    stages.begin("readback");
+    rendered.pixels = film.read();
+    stages.end();
+    if (options.stats) rendered.work = countRenderWork(options, plan, context, view);
+    return rendered;
+}
+
+// Of a path that isImagePath() knows: .exr or .png in any case.
+bool isPng(const std::string& path) {
+    return path.back() == 'g' || path.back() == 'G';
+}
+
+// A PNG is for looking at: its viewers would hide the background where nothing was hit.
+Image withoutAlpha(Image image) {
+    std::erase_if(image.channels, [](const ImageChannel& channel) { return channel.name == "A"; });
+    return image;
+}
+
+void warnOfNonFinite(const TraceOptions& options, const FilmPixels& pixels) {
+    if (const std::size_t count = countNonFinite(pixels))
+        logWarning(fmt::format("{}: {} pixels are not finite", options.scenePath, count));
+}
+
+void logFigures(const TraceOptions& options, const Rendered& rendered) {
+    std::string figures = fmt::format("{}x{} in {:.2f} ms", options.size.x, options.size.y, rendered.gpuMs);
+    if (const auto& work = rendered.work)
+        figures +=
+            fmt::format(", {} rays, {:.1f} Mrays/s, {:.2f} steps and {:.2f} tests per ray", work->rays,
+                        mraysPerSecond(work->rays, rendered.gpuMs), double(work->steps) / double(work->rays),
+                        double(work->tests) / double(work->rays));
+    logInfo(figures);
+}
+
+void writeReport(const TraceOptions& options, const AtlasFile& file, const GlDevice& device,
+                 const CameraPose& pose, const Rendered& rendered, const StageTimer& stages) {
+    if (options.common.jsonPath.empty()) return;
+    nlohmann::json report;
+    reportCommon(report, device, file, rendered.features, stages);
+    reportCamera(report, pose);
+    report["width"] = options.size.x;
+    report["height"] = options.size.y;
+    report["gpuMs"] = rendered.gpuMs;
+    if (rendered.work) reportWork(report, *rendered.work, rendered.gpuMs);
+    writeJson(options.common.jsonPath, report);
+}
+
+} // namespace
+
+void traceScene(const TraceOptions& options) {
+    StageTimer stages;
+    stages.begin("load");
+    const AtlasFile file = readAtlas(options.scenePath);
+    stages.end();
+    const Atlas& atlas = file.atlas;
+    const BoundsD bounds = sceneBounds(atlas.info);
+    const double aspect = double(options.size.x) / options.size.y;
+    const CameraPose pose = placeCamera(options.camera, bounds, aspect);
+    const std::unique_ptr<GlContext> context = GlContext::open(options.device, options.common.threads);
+    const Rendered rendered = render(options, atlas, cameraParams(options, pose, aspect, atlas.grid),
+                                     chooseLights(options.lights, atlas, bounds, pose), *context, stages);
+    warnOfNonFinite(options, rendered.pixels);
+    RenderRecord record{pose, atlas.info.meshHash, file.contentHash, context->device().renderer,
+                        std::nullopt};
+    if (!options.reproducible) record.renderTimeSeconds = rendered.gpuMs * 1e-3;
+    stages.begin("write");
+    const Image image = toImage(options.size, rendered.pixels, record);
+    for (const std::string& path : options.outputPaths)
+        writeImage(path, isPng(path) ? withoutAlpha(image) : image);
+    stages.end();
+    logFigures(options, rendered);
+    writeReport(options, file, context->device(), pose, rendered, stages);
+}
+
+} // namespace rt

@@ -1,0 +1,9 @@
+#pragma once
+#include "tools/rt-trace/options.h"
+
+namespace rt {
+
+/// Renders the scene and writes the pictures and the JSON file that were asked for.
+void traceScene(const TraceOptions& options);
+
+} // namespace rt

@@ -1,0 +1,29 @@
+#pragma once
+#include "tools/rt-trace/gl_limits.h"
+#include "tools/rt-trace/gl_objects.h"
+
+#include <utility>
+#include <vector>
+
+namespace rt {
+
+/// An atlas in the device's memory, as far as one plan needs it.
+class GpuAtlas {
+public:
+    /// Makes everything current that shaders of the plan read, except camera and lights, or rays and hits.
+    void bind() const;
+
+private:
+    friend GpuAtlas uploadAtlas(const Atlas&, const ResourcePlan&, const GlLimits&, unsigned,
+                                const std::string&);
+    GlBuffer grid_;
+    std::vector<std::pair<unsigned, GlBuffer>> buffers_;   // binding, buffer
+    std::vector<std::pair<unsigned, GlTexture>> textures_; // unit, texture
+};
+
+/// Uploads straight from the spans. The shader's grid.counts.w becomes `lightCount`.
+/// Throws Error{LimitExceeded}, prefixed by `name` where a limit of the device is known beforehand.
+GpuAtlas uploadAtlas(const Atlas& atlas, const ResourcePlan& plan, const GlLimits& limits,
+                     unsigned lightCount, const std::string& name);
+
+} // namespace rt
