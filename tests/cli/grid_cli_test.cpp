@@ -170,6 +170,18 @@ TEST_F(GridCli, requestsBeyondALimitAre5) {
     expectFailure(5, {mesh(), "-o", atlas(), "--resolution", "200", "--max-memory", "20M"}, "--max-memory");
 }
 
+TEST_F(GridCli, memoryStaysWithinTheForecast) {
+    writeMesh(mesh(), makeRandomTriangles(100000, 1, 0.02f));
+    for (const bool vdb : {false, true}) {
+        std::vector<std::string> arguments{mesh(), "-o", atlas(), "--resolution", "200", "-q", "--json", "-"};
+        if (vdb) arguments.insert(arguments.end(), {"--vdb", folder_.file("scene.vdb")});
+        const nlohmann::json json = nlohmann::json::parse(grid(arguments).out);
+        const double besides = 64.0 * 1024 * 1024 + static_cast<double>(std::filesystem::file_size(mesh()));
+        EXPECT_GT(json["forecastMemoryBytes"].get<double>(), 0.0);
+        EXPECT_LT(json["peakMemoryBytes"].get<double>(), json["forecastMemoryBytes"].get<double>() + besides);
+    }
+}
+
 TEST_F(GridCli, aFailedRunLeavesTheOldAtlas) {
     ASSERT_EQ(grid({mesh(), "-o", atlas()}).exitCode, 0);
     const std::string before = bytesOf(atlas());

@@ -46,7 +46,7 @@ inline std::vector<QueryHit> traceQuery(const GlContext& context, const Atlas& a
     const GpuRays gpuRays(rays, false, context.limits(), settings.maxBatch);
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();
-    gpuRays.trace(program, context.device().software);
+    gpuRays.trace(program, 1, context.device().software);
     return gpuRays.readHits();
 }
 

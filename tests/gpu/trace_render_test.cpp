@@ -14,7 +14,7 @@
 namespace rt {
 namespace {
 
-constexpr glm::uvec2 kSize(70, 37); // no multiple of the tile size
+constexpr glm::uvec2 kSize(70, 133); // no multiples of the tile size, and several bands of rows
 
 BoundsD boundsOfAtlas(const Atlas& atlas) {
     const AtlasInfo& info = atlas.info;
@@ -120,20 +120,49 @@ TEST_F(Rendering, AFeatureThatTheSceneUsesDoesChangeThePicture) {
     }
 }
 
-TEST_F(Rendering, ShowsTheTexture) {
-    Mesh mesh = test::makeTexturedSquare({{2, 1}});
-    mesh.pixels = std::vector<std::uint32_t>{0xFF0000FFu, 0xFFFF0000u}; // red on the left, blue on the right
-    const Atlas atlas = test::makeAtlas(mesh, kStructureCloud, {4, 4, 1});
-    const FilmPixels pixels = render(atlas, featuresOf(atlas)).pixels;
-    double leftRed = 0.0, leftBlue = 0.0, rightRed = 0.0, rightBlue = 0.0;
+TEST_F(Rendering, PerfectMirrorsAndClearGlassShowTheBackground) {
+    for (const glm::vec2 optics : {glm::vec2(1, 0), glm::vec2(0, 1), glm::vec2(0.25f, 0.75f)}) {
+        Material material = test::greyMaterial();
+        material.baseColor = glm::vec4(1.0f);
+        material.optics = glm::vec4(optics, 1.0f, 0.0f);
+        const Atlas atlas =
+            test::makeAtlas(withMaterial(test::makeCube(), material), kStructureCloud, {4, 4, 4});
+        SceneFeatures features = featuresOf(atlas);
+        features.maxDepth = 8;
+        const FilmPixels pixels = render(atlas, features).pixels;
+        for (const glm::vec4& color : pixels.colors)
+            ASSERT_LT(glm::distance(glm::vec3(color), glm::vec3(0.25f, 0.5f, 0.75f)), 2e-3f) << optics.x;
+    }
+}
+
+// Sums of the colours of each quarter of the picture.
+struct Quarters {
+    glm::vec4 topLeft{0}, topRight{0}, bottomLeft{0}, bottomRight{0};
+};
+
+Quarters sumQuarters(const FilmPixels& pixels) {
+    Quarters sums;
     for (std::size_t i = 0; i < pixels.ids.size(); ++i) {
         if (pixels.ids[i] == kNoTriangle) continue;
         const bool left = i % kSize.x < kSize.x / 2;
-        (left ? leftRed : rightRed) += pixels.colors[i].r;
-        (left ? leftBlue : rightBlue) += pixels.colors[i].b;
+        const bool top = i / kSize.x < kSize.y / 2;
+        (top    ? left ? sums.topLeft : sums.topRight
+         : left ? sums.bottomLeft
+                : sums.bottomRight) += pixels.colors[i];
     }
-    EXPECT_GT(leftRed, 2.0 * leftBlue);
-    EXPECT_GT(rightBlue, 2.0 * rightRed);
+    return sums;
+}
+
+TEST_F(Rendering, ShowsTheTextureTheRightWayUp) {
+    Mesh mesh = test::makeTexturedSquare({{2, 2}});
+    // Red and blue in the top row, black and green below.
+    mesh.pixels = std::vector<std::uint32_t>{0xFF0000FFu, 0xFFFF0000u, 0xFF000000u, 0xFF00FF00u};
+    const Atlas atlas = test::makeAtlas(mesh, kStructureCloud, {4, 4, 1});
+    const Quarters sums = sumQuarters(render(atlas, featuresOf(atlas)).pixels);
+    EXPECT_GT(sums.topLeft.r, 2.0f * (sums.topLeft.g + sums.topLeft.b));
+    EXPECT_GT(sums.topRight.b, 2.0f * (sums.topRight.r + sums.topRight.g));
+    EXPECT_GT(sums.bottomRight.g, 2.0f * (sums.bottomRight.r + sums.bottomRight.b));
+    EXPECT_LT(sums.bottomLeft.r + sums.bottomLeft.g + sums.bottomLeft.b, sums.topLeft.r);
 }
 
 TEST_F(Rendering, PagesAndSlabsDoNotChangeThePicture) {

@@ -5,6 +5,7 @@
 #include "tools/rt-grid/vdb_export.h"
 
 #include <gmock/gmock.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -102,7 +103,9 @@ TEST(GridBuild, leavesTexturesOutWhereNothingShowsThem) {
 }
 
 TEST(GridBuild, bytesDoNotDependOnTheNumberOfThreads) {
-    const Mesh mesh = test::makeRandomTriangles(20000, 9, 0.05f);
+    const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
+                                      4); // on small machines too
+    const Mesh mesh = test::makeRandomTriangles(60000, 9, 0.08f);
     const BuildOptions options = optionsFor(kStructureCloud, glm::uvec3(64, 63, 65));
     tbb::task_arena one(1);
     const Atlas a = one.execute([&] { return build(mesh, options); });
@@ -145,13 +148,6 @@ TEST(GridLimits, listsStopGrowingAtTheLimit) {
     EXPECT_THAT(messageOf(mesh, options), testing::HasSubstr("triangle references"));
     options.memory = defaultMemoryLimit();
     EXPECT_NO_THROW(build(mesh, options));
-}
-
-TEST(GridLimits, theForecastCoversTheListsOfABuild) {
-    const Mesh mesh = test::makeRandomTriangles(2000, 4, 0.2f);
-    const Atlas atlas = build(mesh, optionsFor(kStructureCloud, glm::uvec3(32)));
-    EXPECT_LE(atlas.references.size_bytes() + 4 * atlas.info.references,
-              kBytesPerReference * atlas.info.references);
 }
 
 } // namespace

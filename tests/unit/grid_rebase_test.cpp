@@ -17,6 +17,19 @@ double worldOf(float atlas, const Rebase& rebase, int axis) {
     return double(atlas) / double(rebase.scale) + double(rebase.offsetWorld[axis]);
 }
 
+// Sets the last bit of half of the coordinates: a mesh that was moved in floats has zeros there.
+Mesh withAllDigits(const Mesh& mesh) {
+    std::vector<glm::vec3> positions(mesh.positions.begin(), mesh.positions.end());
+    for (std::size_t i = 0; i < positions.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            if (positions[i][axis] != 0.0f && (i + static_cast<std::size_t>(axis)) % 2)
+                positions[i][axis] =
+                    std::bit_cast<float>(std::bit_cast<std::uint32_t>(positions[i][axis]) | 1u);
+    Mesh result = mesh;
+    result.positions = std::move(positions);
+    return result;
+}
+
 // How many coordinates of the mesh are not what comes back from atlas space.
 int roundedCoordinates(const Mesh& mesh) {
     const Rebase rebase = chooseRebase(boundsOf(mesh));
@@ -34,20 +47,25 @@ int roundedCoordinates(const Mesh& mesh) {
 
 TEST(GridRebase, roundsNoVertexAtAnyScaleAndOffset) {
     const Mesh sphere = makeSphere(3);
+    std::vector<float> sizes;
     for (int exponent = -12; exponent <= 12; exponent += 3) {
-        const float size = std::pow(10.0f, static_cast<float>(exponent));
-        for (const float distance : {0.0f, 0.7f, 1.1f, 3.0f, 3.1f, 100.0f, 148376.0f, 1e7f})
+        sizes.push_back(std::pow(10.0f, static_cast<float>(exponent)));
+        sizes.push_back(
+            std::ldexp(1.2f, 3 * exponent)); // the far side of the sphere in another binade than its radius
+    }
+    for (const float size : sizes)
+        for (const float distance : {0.0f, 0.7f, 1.1f, 1.7f, 2.3f, 3.0f, 3.1f, 100.0f, 148376.0f, 1e7f})
             for (const glm::vec3 direction :
                  {glm::vec3(1, 1, 1), glm::vec3(1, -0.003f, 0), glm::vec3(-1, 0.4f, 1e-3f)})
-                EXPECT_EQ(roundedCoordinates(moved(sphere, size, direction * distance * size)), 0)
+                EXPECT_EQ(roundedCoordinates(withAllDigits(moved(sphere, size, direction * distance * size))),
+                          0)
                     << "size " << size << ", distance " << distance;
-    }
 }
 
 TEST(GridRebase, makesTheLargestExtentHalfToOneByAPowerOfTwo) {
     for (const float size : {1e-12f, 3e-4f, 0.5f, 1.0f, 3.0f, 1024.0f, 1e12f}) {
-        const Mesh mesh =
-            test::moved(test::makeBox(glm::vec3(-1, 0, 0), glm::vec3(1, 0.3f, 0.1f)), size, glm::vec3(7 * size));
+        const Mesh mesh = test::moved(test::makeBox(glm::vec3(-1, 0, 0), glm::vec3(1, 0.3f, 0.1f)), size,
+                                      glm::vec3(7 * size));
         const Rebase rebase = chooseRebase(boundsOf(mesh));
         int exponent = 0;
         EXPECT_EQ(std::frexp(rebase.scale, &exponent), 0.5f);

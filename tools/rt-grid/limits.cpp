@@ -24,8 +24,7 @@ MemoryLimit defaultMemoryLimit() {
 
 std::uint64_t forecastBytes(const BuildSize& size) {
     const std::uint64_t voxels = std::uint64_t(size.dims.x) * size.dims.y * size.dims.z;
-    return voxels * (size.vdb ? 20u : 4u) + size.triangles * 68u +
-           size.vertices * (size.texcoords ? 12u : 4u) + size.texels * 4u;
+    return voxels * (size.vdb ? 20u : 4u) + size.triangles * 68u + size.vertices * 4u + size.texels * 4u;
 }
 
 ReferenceLimit checkLimits(const std::string& name, const BuildSize& size, const MemoryLimit& limit) {

@@ -16,7 +16,6 @@ struct BuildSize {
     std::uint64_t triangles = 0;
     std::uint64_t vertices = 0;
     std::uint64_t texels = 0; ///< of all texture pages
-    bool texcoords = false;
     bool vdb = false;
 };
 
@@ -29,10 +28,8 @@ struct MemoryLimit {
 /// 75 % of the machine's physical memory.
 MemoryLimit defaultMemoryLimit();
 
-/// Bytes of a build without its triangle lists:
-///     voxels * (4 + 16 if a VDB file is written) + triangles * (48 + 16 + 4) + vertices * (4 + 8 with
-///     texcoords)
-///     + texels * 4.
+/// Bytes that a build needs besides the mapped mesh file and its triangle lists:
+///     voxels * (4 + 16 if a VDB file is written) + triangles * (48 + 16 + 4) + vertices * 4 + texels * 4.
 std::uint64_t forecastBytes(const BuildSize& size);
 
 /// Bytes that one triangle-voxel reference costs at most while lists are built: its voxel (4), its place in

@@ -27,8 +27,8 @@ struct PageLayout {
 /// a side.
 PageLayout placeImages(const SharedSpan<MeshImage>& images, const std::string& name);
 
-/// Returns the texels of all pages: pageCount * height * width, RGBA8, 0 where there is no image. An empty layout
-/// gives none.
+/// Returns the texels of all pages: pageCount * height * width, RGBA8, 0 where there is no image. An empty
+/// layout gives none.
 std::vector<std::uint32_t> paintPages(const Mesh& mesh, const PageLayout& layout);
 
 } // namespace rt

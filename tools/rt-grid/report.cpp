@@ -27,6 +27,18 @@ nlohmann::json fileBytes(const std::string& path) {
     return unknown ? nlohmann::json() : nlohmann::json(bytes);
 }
 
+// What limits.h says of this build, now that the number of references is known.
+std::uint64_t forecastMemoryBytes(const GridReport& report) {
+    const Atlas& atlas = report.atlas;
+    BuildSize size;
+    size.dims = atlas.grid.dims;
+    size.triangles = atlas.triangles.size();
+    size.vertices = atlas.normals.size();
+    size.texels = atlas.pages.size();
+    size.vdb = report.options.build.vdb;
+    return forecastBytes(size) + atlas.info.references * kBytesPerReference;
+}
+
 } // namespace
 
 double buildMs(const StageTimer& timer) {
@@ -76,6 +88,7 @@ nlohmann::json jsonOf(const GridReport& report) {
     json["buildMs"] = ms;
     json["trianglesPerSecond"] = static_cast<double>(atlas.triangles.size()) / (ms * 1e-3);
     json["peakMemoryBytes"] = peakMemoryBytes();
+    json["forecastMemoryBytes"] = forecastMemoryBytes(report);
     json["maxMemoryBytes"] = report.options.build.memory.bytes;
     return json;
 }

@@ -202,7 +202,10 @@ std::unique_ptr<GlContext> GlContext::open(const std::string& device, int thread
         context = devices.openIndex(device, problems);
     } else {
         if (device == "auto") context = devices.openFirst(false, problems);
-        if (!context) context = devices.openFirst(true, problems);
+        if (!context) {
+            problems.clear(); // the second round tries the same devices again
+            context = devices.openFirst(true, problems);
+        }
     }
     if (!context)
         throw Error(ErrorKind::NoGpu,

@@ -12,17 +12,20 @@ GpuTimer::GpuTimer(bool software) : software_(software) {
 }
 
 void GpuTimer::begin() {
+    if (!software_) return glBeginQuery(GL_TIME_ELAPSED, query_.name());
     glFinish();
-    start_ = std::chrono::steady_clock::now();
-    if (!software_) glBeginQuery(GL_TIME_ELAPSED, query_.name());
+    start_ = Clock::now();
 }
 
-double GpuTimer::endMs() {
-    GLuint64 nanoseconds = 0;
-    if (!software_) glEndQuery(GL_TIME_ELAPSED);
+void GpuTimer::end() {
+    if (!software_) return glEndQuery(GL_TIME_ELAPSED);
     glFinish();
-    if (software_)
-        return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    end_ = Clock::now();
+}
+
+double GpuTimer::elapsedMs() const {
+    if (software_) return std::chrono::duration<double, std::milli>(end_ - start_).count();
+    GLuint64 nanoseconds = 0;
     glGetQueryObjectui64v(query_.name(), GL_QUERY_RESULT, &nanoseconds);
     return static_cast<double>(nanoseconds) * 1e-6;
 }

@@ -5,19 +5,23 @@
 
 namespace rt {
 
-/// Measures the GL commands between begin() and endMs(). On hardware by a timer query; software renderers
-/// give those no meaning, so there it is the host's clock between two glFinish().
+/// Measures the GL commands between begin() and end(). On hardware by a timer query, without waiting, so that
+/// several may follow each other while the device is kept busy; a device that has to wait for the host counts
+/// that too. Software renderers give timer queries no meaning: there it is the host's clock between two
+/// glFinish().
 class GpuTimer {
 public:
     explicit GpuTimer(bool software);
     void begin();
+    void end();
     /// Waits for the commands to finish; returns milliseconds.
-    double endMs();
+    double elapsedMs() const;
 
 private:
+    using Clock = std::chrono::steady_clock;
     bool software_;
     GlQuery query_;
-    std::chrono::steady_clock::time_point start_{};
+    Clock::time_point start_{}, end_{};
 };
 
 } // namespace rt

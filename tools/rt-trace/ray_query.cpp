@@ -49,12 +49,18 @@ void GpuRays::dispatch(const Batch& batch) const {
     glDispatchCompute(batch.groups.x, batch.groups.y, 1);
 }
 
-double GpuRays::trace(const GlProgram& program, bool software) const {
+std::vector<double> GpuRays::trace(const GlProgram& program, unsigned passes, bool software) const {
     glUseProgram(program.name());
-    GpuTimer timer(software);
-    timer.begin();
-    for (const Batch& batch : batches_) dispatch(batch);
-    const double elapsedMs = timer.endMs();
+    std::vector<GpuTimer> timers;
+    for (unsigned pass = 0; pass < passes; ++pass) {
+        GpuTimer& timer = timers.emplace_back(software);
+        timer.begin();
+        for (const Batch& batch : batches_) dispatch(batch);
+        timer.end();
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); // passes write the same hits
+    }
+    std::vector<double> elapsedMs;
+    for (const GpuTimer& timer : timers) elapsedMs.push_back(timer.elapsedMs());
     checkGl("tracing rays");
     return elapsedMs;
 }

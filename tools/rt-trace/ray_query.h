@@ -16,8 +16,8 @@ public:
     GpuRays(std::span<const QueryRay> rays, bool countWork, const GlLimits& limits,
             std::uint64_t maxBatch = ~std::uint64_t(0));
 
-    /// Traces every ray once with what is bound; returns milliseconds on the device.
-    double trace(const GlProgram& program, bool software) const;
+    /// Traces every ray `passes` times with what is bound; returns each pass' milliseconds on the device.
+    std::vector<double> trace(const GlProgram& program, unsigned passes, bool software) const;
     /// Makes the driver finish compiling, without tracing.
     void warmUp(const GlProgram& program) const;
 

@@ -69,7 +69,8 @@ double renderRows(const GlProgram& program, const GpuView& view, const GlContext
         view.setFirstRow(row);
         glDispatchCompute(tiles(size.x), tiles(std::min(band, size.y - row)), 1);
     }
-    const double elapsedMs = timer.endMs();
+    timer.end();
+    const double elapsedMs = timer.elapsedMs();
     checkGl("rendering");
     return elapsedMs;
 }

@@ -47,10 +47,8 @@ std::vector<double> timedPasses(const GpuRays& rays, const GlProgram& program, b
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     while (repeat > 0 && std::chrono::duration<double, std::milli>(Clock::now() - start).count() < kWarmUpMs)
-        rays.trace(program, software);
-    std::vector<double> passesMs;
-    for (unsigned pass = 0; pass < std::max(repeat, 1u); ++pass)
-        passesMs.push_back(rays.trace(program, software));
+        rays.trace(program, 1, software);
+    std::vector<double> passesMs = rays.trace(program, std::max(repeat, 1u), software);
     std::sort(passesMs.begin(), passesMs.end());
     return passesMs;
 }
@@ -78,7 +76,7 @@ Traced trace(const TraceOptions& options, const Atlas& atlas, std::span<const Qu
     if (options.stats) {
         plan.features.countWork = 1;
         const GlProgram counting = compileVariant(plan);
-        gpuRays.trace(counting, software);
+        gpuRays.trace(counting, 1, software);
         traced.work = sumWork(gpuRays.readCounters());
     }
     return traced;

@@ -1,0 +1,85 @@
+// Triangles per second of rt-grid's builds, with Embree's high-quality BVH build as the peer of the same run:
+//     build/release/bin/rt_build_benchmark [scene.rtmesh]
+#include "formats/mesh_file.h"
+#include "tests/support/make_mesh.h"
+#include "tools/rt-grid/build_atlas.h"
+
+#include <benchmark/benchmark.h>
+#include <embree3/rtcore.h>
+
+#include <cstring>
+
+namespace rt {
+namespace {
+
+MeshFile& scene() {
+    static MeshFile file{test::makeSphere(7), 0};
+    return file;
+}
+
+void countTriangles(benchmark::State& state) {
+    const auto triangles = static_cast<double>(scene().mesh.triangles.size());
+    state.counters["triangles/s"] =
+        benchmark::Counter(triangles, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void buildStructure(benchmark::State& state, std::uint32_t structure, double voxelsPerTriangle) {
+    BuildOptions options;
+    options.structure = structure;
+    options.resolution.voxelsPerTriangle = voxelsPerTriangle;
+    for (auto _ : state) {
+        StageTimer timer;
+        const Atlas atlas = buildAtlas(scene(), "scene", options, timer);
+        benchmark::DoNotOptimize(atlas.voxels.data());
+    }
+    countTriangles(state);
+}
+
+void buildUniform(benchmark::State& state) {
+    buildStructure(state, kStructureUniform, kUniformVoxelsPerTriangle);
+}
+
+void buildCloud(benchmark::State& state) {
+    buildStructure(state, kStructureCloud, kCloudVoxelsPerTriangle);
+}
+
+RTCScene newEmbreeScene(RTCDevice device, const Mesh& mesh) {
+    RTCScene embreeScene = rtcNewScene(device);
+    rtcSetSceneBuildQuality(embreeScene, RTC_BUILD_QUALITY_HIGH);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
+                                              mesh.positions.size());
+    std::memcpy(positions, mesh.positions.data(), mesh.positions.size_bytes());
+    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
+                                              mesh.triangles.size());
+    std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size_bytes());
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(embreeScene, geometry);
+    rtcReleaseGeometry(geometry);
+    return embreeScene;
+}
+
+void buildEmbree(benchmark::State& state) {
+    RTCDevice device = rtcNewDevice(nullptr);
+    for (auto _ : state) {
+        RTCScene embreeScene = newEmbreeScene(device, scene().mesh);
+        rtcCommitScene(embreeScene);
+        rtcReleaseScene(embreeScene);
+    }
+    rtcReleaseDevice(device);
+    countTriangles(state);
+}
+
+BENCHMARK(buildUniform)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(buildCloud)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(buildEmbree)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+} // namespace
+} // namespace rt
+
+int main(int argc, char** argv) {
+    benchmark::Initialize(&argc, argv);
+    if (argc > 1) rt::scene() = rt::readMesh(argv[1]);
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+}
