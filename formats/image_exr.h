@@ -7,7 +7,8 @@
 
 namespace rt {
 
-/// The bytes of a single-part scanline EXR, ZIP-compressed. Same image, same bytes.
+/// The bytes of a single-part scanline EXR, ZIP-compressed. Same image, same bytes. Finite values beyond the
+/// range of a Half channel become +-65504, the largest it holds.
 std::vector<std::byte> encodeExr(const Image& image);
 
 /// Decodes all channels of a single-part EXR (scanline or tiled) whose compression is NONE, RLE, ZIPS or ZIP.
