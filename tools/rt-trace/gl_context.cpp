@@ -218,15 +218,13 @@ std::unique_ptr<GlContext> GlContext::open(const std::string& device, int thread
     return context;
 }
 
+// Displays belong to the process: one that is open already is found again by its device, and the driver
+// behind it stays loaded.
 GlContext::~GlContext() {
-    if (context_) {
-        eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-        eglDestroyContext(display_, context_);
-    }
-    if (display_) {
-        eglTerminate(display_);
-        eglReleaseThread();
-    }
+    if (!context_) return;
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglDestroyContext(display_, context_);
+    eglReleaseThread();
 }
 
 std::vector<GlDevice> listGlDevices() {
