@@ -247,8 +247,8 @@ TEST_F(Rendering, ImageHoldsDepthNormalIdAndMatrices) {
             const glm::vec4 inCamera = transformed(point, image.matrices.at("worldToCamera"));
             ASSERT_NEAR(inCamera.z, depth, 1e-4f);
             const glm::vec4 clip = transformed(point, image.matrices.at("worldToNDC"));
-            ASSERT_NEAR(clip.x / clip.w, ndc.x, 1e-4);
-            ASSERT_NEAR(clip.y / clip.w, ndc.y, 1e-4);
+            ASSERT_NEAR(clip.x / clip.w, (x + 0.5) / kSize.x, 1e-4);
+            ASSERT_NEAR(clip.y / clip.w, (y + 0.5) / kSize.y, 1e-4);
             ASSERT_NEAR(clip.z / clip.w, 1.0f / depth, 1e-4f);
         }
     EXPECT_GT(hits, kSize.x * kSize.y / 10u);

@@ -33,12 +33,13 @@ glm::dmat4 cameraFromWorld(const CameraPose& pose, const CameraBasis& basis) {
     return matrix;
 }
 
+// OpenEXR's picture coordinates: (0, 0) at the top left of the display window, (1, 1) at the bottom right.
 glm::dmat4 ndcFromCamera(const CameraBasis& basis) {
     glm::dmat4 matrix(0.0);
-    matrix[0][0] = 1.0 / basis.halfWidth;
-    matrix[1][1] = 1.0 / basis.halfHeight;
-    matrix[3][2] = 1.0; // z' = 1
-    matrix[2][3] = 1.0; // w' = depth
+    matrix[0][0] = 0.5 / basis.halfWidth;
+    matrix[1][1] = -0.5 / basis.halfHeight;
+    matrix[2] = glm::dvec4(0.5, 0.5, 0.0, 1.0); // w' = depth
+    matrix[3][2] = 1.0;                         // z' = 1
     return matrix;
 }
 

@@ -17,8 +17,8 @@ struct RenderRecord {
 /// R, G, B, A, Z (depth along the view in world units, 0 where nothing was hit), N.X, N.Y, N.Z and id.
 ///
 /// Matrices transform row vectors, p' = p * M, as OpenEXR has it. worldToCamera: x to the right, y up, z
-/// forward. worldToNDC: x and y in -1..1 inside the picture, y up; z = 1 / depth, as there are no near and
-/// far planes.
+/// forward. worldToNDC: (0, 0) at the top left of the picture, (1, 1) at the bottom right; z = 1 / depth, as
+/// there are no near and far planes.
 Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& record);
 
 /// Pixels of which R, G, B or Z is not a finite number.
