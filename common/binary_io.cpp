@@ -4,11 +4,14 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cerrno>
+#include <climits>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -79,34 +82,85 @@ std::string directoryOf(const std::string& path) {
     return slash == std::string::npos ? "." : path.substr(0, slash + 1);
 }
 
-// Gives an unnamed file the temporary name it needs for the rename.
-bool linkUnnamed(int fd, const std::string& name) {
-    const std::string self = fmt::format("/proc/self/fd/{}", fd);
-    return linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+// What removeUnfinishedFile() has to remove.
+char unfinishedPath[PATH_MAX];
+std::atomic<bool> unfinishedExists{false};
+
+// A temporary file that goes unless it is renamed, by a signal too.
+class TemporaryFile {
+public:
+    explicit TemporaryFile(std::string name) : name_(std::move(name)) {
+        if (name_.size() >= sizeof unfinishedPath) return;
+        std::memcpy(unfinishedPath, name_.c_str(), name_.size() + 1);
+        unfinishedExists = true;
+    }
+    ~TemporaryFile() {
+        if (!renamed_) unlink(name_.c_str());
+        unfinishedExists = false;
+    }
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    void renameTo(const std::string& path) {
+        if (rename(name_.c_str(), path.c_str()) != 0) throwSystem(path, "replace");
+        renamed_ = true;
+    }
+
+private:
+    std::string name_;
+    bool renamed_ = false;
+};
+
+// Tries make(name) with names beside `path` until one is free. Empty, and errno set, if it fails otherwise.
+template <class Make>
+std::string makeUnderFreeName(const std::string& path, Make&& make) {
+    constexpr int kMostStaleFiles = 1000; // of killed processes that had our number
+    for (int i = 0; i < kMostStaleFiles; ++i) {
+        std::string name = fmt::format("{}.tmp.{}.{}", path, getpid(), i);
+        if (make(name.c_str())) return name;
+        if (errno != EEXIST) break;
+    }
+    return {};
 }
 
-void replaceFile(const std::string& path, std::span<const std::span<const std::byte>> chunks, mode_t mode) {
-    const std::string temporary = fmt::format("{}.tmp.{}", path, getpid());
-    int fd = open(directoryOf(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, mode);
-    const bool unnamed = fd >= 0;
-    if (!unnamed) fd = open(temporary.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, mode);
+struct Content {
+    std::span<const std::span<const std::byte>> chunks;
+    std::optional<mode_t> mode; // of the file that is replaced; none: what the umask leaves of rw-rw-rw-
+    mode_t creationMode() const { return mode.value_or(0666); }
+};
+
+void writeContent(int fd, const Content& content, const std::string& path) {
+    for (const auto& chunk : content.chunks) writeAll(fd, chunk, path);
+    if (content.mode && fchmod(fd, *content.mode) != 0 && errno != EPERM && errno != ENOTSUP)
+        throwSystem(path, "set the permissions of"); // file systems without permissions refuse: no loss there
+    if (fsync(fd) != 0 && errno != EINVAL && errno != EROFS) throwSystem(path, "sync");
+}
+
+// False where the system has no unnamed files or cannot name them: that takes /proc.
+bool replaceByUnnamed(const std::string& path, const Content& content) {
+    const FileDescriptor file(
+        open(directoryOf(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, content.creationMode()));
+    const std::string self = fmt::format("/proc/self/fd/{}", file.get());
+    if (file.get() < 0 || access(self.c_str(), F_OK) != 0) return false;
+    writeContent(file.get(), content, path);
+    std::string name = makeUnderFreeName(path, [&](const char* free) {
+        return linkat(AT_FDCWD, self.c_str(), AT_FDCWD, free, AT_SYMLINK_FOLLOW) == 0;
+    });
+    if (name.empty()) return false;
+    TemporaryFile(std::move(name)).renameTo(path);
+    return true;
+}
+
+void replaceByNamed(const std::string& path, const Content& content) {
+    int fd = -1;
+    std::string name = makeUnderFreeName(path, [&](const char* free) {
+        fd = open(free, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, content.creationMode());
+        return fd >= 0;
+    });
     if (fd < 0) throwSystem(path, "create");
     const FileDescriptor file(fd);
-    struct RemoveUnlessRenamed {
-        const std::string& name;
-        bool exists;
-        ~RemoveUnlessRenamed() {
-            if (exists) unlink(name.c_str());
-        }
-    } guard{temporary, !unnamed};
-    for (const auto& chunk : chunks) writeAll(fd, chunk, path);
-    if (fsync(fd) != 0 && errno != EINVAL && errno != EROFS) throwSystem(path, "sync");
-    if (unnamed) {
-        if (!linkUnnamed(fd, temporary)) throwSystem(path, "name");
-        guard.exists = true;
-    }
-    if (rename(temporary.c_str(), path.c_str()) != 0) throwSystem(path, "replace");
-    guard.exists = false;
+    TemporaryFile temporary(std::move(name));
+    writeContent(fd, content, path);
+    temporary.renameTo(path);
 }
 
 } // namespace
@@ -145,8 +199,8 @@ void writeFile(const std::string& path, std::span<const std::span<const std::byt
     char* resolved = exists ? realpath(path.c_str(), nullptr) : nullptr; // a symbolic link stays a link
     const std::string target = resolved ? resolved : path;
     std::free(resolved);
-    const mode_t mode = exists ? (info.st_mode & 07777) : 0666;
-    replaceFile(target, chunks, mode);
+    const Content content{chunks, exists ? std::optional<mode_t>(info.st_mode & 0777) : std::nullopt};
+    if (!replaceByUnnamed(target, content)) replaceByNamed(target, content);
 }
 
 void writeFile(const std::string& path, std::span<const std::byte> bytes) {
@@ -155,6 +209,21 @@ void writeFile(const std::string& path, std::span<const std::byte> bytes) {
 
 void writeFile(const std::string& path, std::string_view text) {
     writeFile(path, std::as_bytes(std::span(text)));
+}
+
+void requireWritable(const std::string& path) {
+    if (path == "-") return;
+    struct stat info {};
+    const bool exists = stat(path.c_str(), &info) == 0;
+    if (exists && S_ISDIR(info.st_mode))
+        throw Error(ErrorKind::FileAccess, path + ": is a directory, not a file");
+    const bool replaced = !exists || S_ISREG(info.st_mode); // which takes the right to write its folder
+    const std::string written = replaced ? directoryOf(path) : path;
+    if (access(written.c_str(), W_OK) != 0) throwSystem(path, "write");
+}
+
+void removeUnfinishedFile() {
+    if (unfinishedExists) unlink(unfinishedPath);
 }
 
 } // namespace rt

@@ -36,14 +36,25 @@ std::span<const std::byte> bytesOf(std::span<const T> values) {
 }
 
 /// Maps a file read-only; "-" reads standard input into memory.
-/// Throws Error{FileAccess} if it cannot be opened, is a directory, or shrinks while it is mapped.
+/// Throws Error{FileAccess} if it cannot be opened or is a directory. If the file shrinks while it is mapped,
+/// reading the lost part raises SIGBUS, for which runTool() ends the program with the exit code of
+/// FileAccess.
 SharedSpan<std::byte> readFile(const std::string& path);
 
-/// Writes the file whole or not at all: an unnamed (or, where the file system has none, a temporary) file
-/// beside it is written, synced and renamed over it. A file that already holds these bytes keeps its time
-/// stamp. "-" is standard output; devices and pipes are written straight. Throws Error{FileAccess}.
+/// Writes the file whole or not at all: an unnamed (or, where the system has none, a temporary) file beside
+/// it is written, synced and renamed over it. A replaced file's permissions stay. A file that already holds
+/// these bytes keeps its time stamp. "-" is standard output; devices and pipes are written straight. One file
+/// is written at a time. Throws Error{FileAccess}.
 void writeFile(const std::string& path, std::span<const std::span<const std::byte>> chunks);
 void writeFile(const std::string& path, std::span<const std::byte> bytes);
 void writeFile(const std::string& path, std::string_view text);
+
+/// Throws Error{FileAccess} if writeFile() would certainly fail: no such folder, no right to write there, or
+/// the path is a folder. For tools to ask of all outputs before they do the work. Nothing is touched.
+void requireWritable(const std::string& path);
+
+/// Removes the temporary file that a running writeFile() has made, if any. For signal handlers:
+/// async-signal-safe.
+void removeUnfinishedFile();
 
 } // namespace rt

@@ -12,7 +12,6 @@ struct BoundsOf {
     Vec lo{std::numeric_limits<T>::max()};
     Vec hi{std::numeric_limits<T>::lowest()};
 
-    bool empty() const { return lo.x > hi.x; }
     Vec extent() const { return hi - lo; }
     Vec centre() const { return lo + (hi - lo) * T(0.5); }
     void add(const Vec& point) {

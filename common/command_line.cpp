@@ -10,7 +10,9 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <memory>
+#include <sys/stat.h>
 
 namespace rt {
 namespace {
@@ -42,6 +44,19 @@ std::string escapeForMake(const std::string& path) {
         escaped += c;
     }
     return escaped;
+}
+
+bool sameFile(const std::string& a, const std::string& b) {
+    struct stat infoA {
+    }, infoB{};
+    const bool existsA = stat(a.c_str(), &infoA) == 0;
+    const bool existsB = stat(b.c_str(), &infoB) == 0;
+    if (existsA && existsB)
+        return infoA.st_dev == infoB.st_dev && infoA.st_ino == infoB.st_ino && !S_ISCHR(infoA.st_mode);
+    std::error_code failed; // an unsearchable folder: the text decides
+    const auto pathA = std::filesystem::weakly_canonical(a, failed);
+    const auto pathB = failed ? pathA : std::filesystem::weakly_canonical(b, failed);
+    return failed ? a == b : pathA == pathB;
 }
 
 } // namespace
@@ -78,6 +93,24 @@ bool parseCommandLine(CLI::App& app, int argc, const char* const* argv, const Co
     setLogLevel(options.quiet ? LogLevel::Quiet : options.verbose ? LogLevel::Verbose : LogLevel::Normal);
     limitThreads(options.threads);
     return true;
+}
+
+void requireDistinctPaths(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs) {
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        const std::string& output = outputs[i];
+        if (output.empty()) continue;
+        for (const std::string& input : inputs)
+            if (!input.empty() && input != "-" && output != "-" && sameFile(input, output))
+                throw Error(ErrorKind::Usage,
+                            fmt::format("{} is an input and an output; name another file to write", output));
+        for (std::size_t k = 0; k < i; ++k) {
+            const bool bothStandard = outputs[k] == "-" && output == "-";
+            const bool oneStandard = outputs[k] == "-" || output == "-";
+            if (bothStandard || (!oneStandard && !outputs[k].empty() && sameFile(outputs[k], output)))
+                throw Error(ErrorKind::Usage, fmt::format("{} is named for two outputs; name different files",
+                                                          bothStandard ? "standard output" : output));
+        }
+    }
 }
 
 std::vector<double> parseNumbers(const std::string& text, std::size_t count, const std::string& option) {

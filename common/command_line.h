@@ -28,6 +28,12 @@ void addDepfileOption(CLI::App& app, CommonOptions& options);
 /// Sets the log level and the number of threads from `options`.
 bool parseCommandLine(CLI::App& app, int argc, const char* const* argv, const CommonOptions& options);
 
+/// Throws Error{Usage} if an output is one of the inputs or another output. Existing files are the same if
+/// they are one file under any name; names of files that do not exist yet are compared as absolute paths.
+/// Empty paths stand for no file. "-" as an input is standard input, as an output standard output: only two
+/// outputs clash there. Character devices such as /dev/null may be named as often as one likes.
+void requireDistinctPaths(const std::vector<std::string>& inputs, const std::vector<std::string>& outputs);
+
 /// Parses "x,y,z" into `count` finite numbers. Throws Error{Usage} naming `option`.
 std::vector<double> parseNumbers(const std::string& text, std::size_t count, const std::string& option);
 

@@ -30,9 +30,6 @@ void setLogLevel(LogLevel level) {
 void setToolName(std::string_view name) {
     state().tool = name;
 }
-std::string_view toolName() {
-    return state().tool;
-}
 
 void logInfo(std::string_view message) {
     if (state().level >= LogLevel::Normal) print("", message);

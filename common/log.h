@@ -9,7 +9,6 @@ enum class LogLevel { Quiet, Normal, Verbose };
 /// output and are not the log's business.
 void setLogLevel(LogLevel level);
 void setToolName(std::string_view name);
-std::string_view toolName();
 
 /// "rt-grid: message"; hidden by -q.
 void logInfo(std::string_view message);

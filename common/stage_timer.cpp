@@ -1,5 +1,9 @@
 #include "common/stage_timer.h"
 
+#include "common/log.h"
+
+#include <fmt/format.h>
+
 #include <sys/resource.h>
 
 namespace rt {
@@ -21,6 +25,11 @@ double StageTimer::totalMs() const {
     double total = 0.0;
     for (const auto& [stage, ms] : stagesMs_) total += ms;
     return total;
+}
+
+void logStages(const StageTimer& timer) {
+    for (const auto& [stage, ms] : timer.stagesMs()) logDetail(fmt::format("{:<10}{:9.1f} ms", stage, ms));
+    logDetail(fmt::format("largest memory {} MiB", peakMemoryBytes() >> 20));
 }
 
 std::uint64_t peakMemoryBytes() {

@@ -24,6 +24,9 @@ private:
     std::vector<std::pair<std::string, double>> stagesMs_;
 };
 
+/// Logs each stage's time, and the memory taken, as details (-v).
+void logStages(const StageTimer& timer);
+
 /// Largest resident set of this process so far, in bytes.
 std::uint64_t peakMemoryBytes();
 

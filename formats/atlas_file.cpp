@@ -1,6 +1,7 @@
 #include "formats/atlas_file.h"
 
 #include "common/error.h"
+#include "formats/mesh.h"
 #include "formats/section_file.h"
 
 #include <fmt/format.h>
@@ -64,6 +65,8 @@ void validateGrid(const Atlas& atlas, const Validator& check) {
                       "voxel size out of range");
         check.require(grid.cellsPerUnit[axis] > 0.0f && std::isfinite(grid.cellsPerUnit[axis]),
                       "voxel size out of range");
+        check.require(std::abs(grid.cellSize[axis] * grid.cellsPerUnit[axis] - 1.0f) < 1e-5f,
+                      "voxel size and its inverse do not agree");
         check.require(std::isfinite(atlas.info.worldLo[axis]) && std::isfinite(atlas.info.worldHi[axis]),
                       "scene bounds are not finite");
     }
@@ -108,8 +111,9 @@ void validateShading(const Atlas& atlas, const Validator& check) {
     check.require(atlas.texcoords.empty() || atlas.texcoords.size() == vertexCount,
                   "wrong number of texture coordinates");
     check.requireEach(atlas.triangles, "triangle", [&](const TriangleRecord& t) {
+        const auto index = static_cast<std::size_t>(&t - atlas.triangles.data());
         return finite3(t.v0) && finite3(t.v1) && finite3(t.v2) &&
-               std::bit_cast<std::uint32_t>(t.v0.w) < atlas.triangles.size();
+               std::bit_cast<std::uint32_t>(t.v0.w) == index;
     });
     check.requireEach(atlas.triangleVertices, "triangle", [&](const glm::uvec4& t) {
         return t.x < vertexCount && t.y < vertexCount && t.z < vertexCount && t.w < atlas.materials.size();
@@ -117,15 +121,15 @@ void validateShading(const Atlas& atlas, const Validator& check) {
     check.requireEach(atlas.texcoords, "texture coordinate",
                       [](const glm::vec2& t) { return std::isfinite(t.x) && std::isfinite(t.y); });
     check.requireEach(atlas.materials, "material", [&](const Material& m) {
-        const bool image =
-            m.images.x == kNoImage || (m.images.x < atlas.images.size() && !atlas.texcoords.empty());
-        return image && finite3(m.baseColor) && finite3(m.emission) && finite3(m.optics) &&
-               m.optics.z >= 1.0f;
+        return isValid(m, atlas.texcoords.empty() ? 0 : atlas.images.size());
     });
     check.requireEach(atlas.lights, "light",
                       [](const Light& l) { return finite3(l.positionWorld) && finite3(l.intensity); });
     const AtlasInfo& info = atlas.info;
-    check.require(atlas.pages.size() == std::uint64_t(info.pageWidth) * info.pageHeight * info.pageCount,
+    const std::uint64_t pageTexels = std::uint64_t(info.pageWidth) * info.pageHeight;
+    check.require(pageTexels == 0 ? atlas.pages.empty()
+                                  : atlas.pages.size() % pageTexels == 0 &&
+                                        atlas.pages.size() / pageTexels == info.pageCount,
                   "number of texels is not that of the texture pages");
     check.requireEach(atlas.images, "image", [&](const ImagePlace& image) {
         return image.rect.z >= 1 && image.rect.w >= 1 &&
@@ -139,6 +143,9 @@ void validateShading(const Atlas& atlas, const Validator& check) {
 
 void validate(const Atlas& atlas, const std::string& name) {
     const Validator check(name);
+    check.require(atlas.triangles.size() <= kMaxIndexedCount && atlas.normals.size() <= kMaxIndexedCount &&
+                      atlas.materials.size() <= kMaxIndexedCount && atlas.lights.size() <= kMaxIndexedCount,
+                  "more triangles, vertices, materials or lights than 31 bits count");
     check.require(atlas.grid.counts == glm::uvec4(atlas.triangles.size(), atlas.normals.size(),
                                                   atlas.materials.size(), atlas.lights.size()),
                   "counts in GRID differ from the sections' sizes");

@@ -15,11 +15,11 @@ RT_SHARED_BEGIN
 #define RT_IMAGE_COLOR 0    // rgba32f: linear RGB, A = 1 where the primary ray hit
 #define RT_IMAGE_SURFACE 1  // rgba32f: N.xyz, Z
 #define RT_IMAGE_ID 2       // r32ui: triangle index or kNoTriangle
-#define RT_IMAGE_COUNTERS 3 // rgba32ui, where work is counted: see WorkCounters in shaders/counters.glsl
+#define RT_IMAGE_COUNTERS 3 // rgba32ui, where work is counted: see WorkCounters in shaders/ray.glsl
 // Storage buffers that are never split. Atlas arrays that may need several buffers take the numbers from
 // RT_BUFFER_FIRST_PAGED on, in the order of the host's table (tools/rt-trace/shader_resources).
 #define RT_BUFFER_MATERIALS 0
-#define RT_BUFFER_LIGHTS 1 // Light, moved to atlas space: intensities times the square of the scale
+#define RT_BUFFER_LIGHTS 1 // AtlasLight
 #define RT_BUFFER_IMAGES 2
 #define RT_BUFFER_RAYS 3
 #define RT_BUFFER_HITS 4
@@ -47,6 +47,13 @@ struct QueryParams {
     uvec4 count; // x rays of this dispatch; yzw = 0
 };
 
+// A point light as the shaders want it: distances are in atlas units, so intensities are those of the world
+// times the square of the scale.
+struct AtlasLight {
+    vec4 positionAtlas;  // xyz; w = 0
+    vec4 intensityAtlas; // rgb; w = 0
+};
+
 // Rays and hits are the raw float32 records of the --rays and -o files. Directions need not be normalized.
 struct QueryRay {
     vec4 originTmin;    // world space
@@ -60,6 +67,7 @@ RT_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(rt::CameraParams) == 112 && sizeof(rt::QueryParams) == 16);
+static_assert(sizeof(rt::AtlasLight) == 32 && offsetof(rt::AtlasLight, intensityAtlas) == 16);
 static_assert(sizeof(rt::QueryRay) == 32 && sizeof(rt::QueryHit) == 16);
 static_assert(offsetof(rt::CameraParams, size) == 96 && offsetof(rt::QueryRay, directionTmax) == 16);
 #endif

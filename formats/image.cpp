@@ -8,21 +8,16 @@
 #include <fmt/format.h>
 
 namespace rt {
-namespace {
 
-enum class FileType { Exr, Png, Unknown };
-
-FileType typeOf(const std::string& path) {
+std::optional<ImageFileType> imageFileType(const std::string& path) {
     const std::size_t dot = path.find_last_of("./");
     std::string extension = dot == std::string::npos ? "" : path.substr(dot);
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (extension == ".exr") return FileType::Exr;
-    if (extension == ".png") return FileType::Png;
-    return FileType::Unknown;
+    if (extension == ".exr") return ImageFileType::Exr;
+    if (extension == ".png") return ImageFileType::Png;
+    return std::nullopt;
 }
-
-} // namespace
 
 const ImageChannel* Image::find(const std::string& name) const {
     for (const ImageChannel& channel : channels)
@@ -30,21 +25,16 @@ const ImageChannel* Image::find(const std::string& name) const {
     return nullptr;
 }
 
-void writeImage(const std::string& path, const Image& image) {
-    switch (typeOf(path)) {
-    case FileType::Exr:
-        return writeFile(path, encodeExr(image));
-    case FileType::Png:
-        return writeFile(path, encodePng(image));
-    case FileType::Unknown:
-        break;
-    }
-    throw Error(ErrorKind::Usage,
-                fmt::format("{}: pictures are written as .exr or .png; change the extension", path));
+std::vector<std::byte> encodeImage(const std::string& path, const Image& image) {
+    const std::optional<ImageFileType> type = imageFileType(path);
+    if (!type)
+        throw Error(ErrorKind::Usage,
+                    fmt::format("{}: pictures are written as .exr or .png; change the extension", path));
+    return *type == ImageFileType::Exr ? encodeExr(image) : encodePng(image);
 }
 
-bool isImagePath(const std::string& path) {
-    return typeOf(path) != FileType::Unknown;
+void writeImage(const std::string& path, const Image& image) {
+    writeFile(path, encodeImage(path, image));
 }
 
 } // namespace rt

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -31,12 +32,17 @@ struct Image {
     std::size_t pixelCount() const { return std::size_t(width) * height; }
 };
 
-/// Writes a single-part scanline EXR with ZIP compression, or a PNG of R, G, B (A) clamped to [0,1] and
-/// sRGB-encoded, by the path's extension. Same image, same bytes. Throws Error{Usage} for another extension,
-/// Error{FileAccess}.
-void writeImage(const std::string& path, const Image& image);
+enum class ImageFileType { Exr, Png };
 
-/// True if writeImage() knows the path's extension.
-bool isImagePath(const std::string& path);
+/// What the path's extension stands for, in upper or lower case; nothing for any other extension.
+std::optional<ImageFileType> imageFileType(const std::string& path);
+
+/// The bytes of a single-part scanline EXR with ZIP compression, or of a PNG of R, G, B (A) clamped to [0,1]
+/// and sRGB-encoded, by the path's extension. Same image, same bytes. Throws Error{Usage} for another
+/// extension or a PNG without those channels, Error{LimitExceeded} for a PNG that is too large.
+std::vector<std::byte> encodeImage(const std::string& path, const Image& image);
+
+/// Writes what encodeImage() gives. Throws as it does, and Error{FileAccess}.
+void writeImage(const std::string& path, const Image& image);
 
 } // namespace rt

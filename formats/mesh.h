@@ -35,6 +35,12 @@ struct Mesh {
 /// Bounds of the vertices that triangles use. Empty for a mesh without triangles.
 Bounds boundsOf(const Mesh& mesh);
 
+/// Indices of triangles and vertices stay below 2^31.
+inline constexpr std::size_t kMaxIndexedCount = 0x7FFFFFFFu;
+
+/// Whether every number is in the range that formats/README.md gives, and the image is one of `imageCount`.
+bool isValid(const Material& material, std::size_t imageCount);
+
 /// Throws Error{InvalidContent}, message prefixed by `name`, unless every count, index and number holds what
 /// the comments above promise.
 void validate(const Mesh& mesh, const std::string& name);

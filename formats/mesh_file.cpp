@@ -52,15 +52,6 @@ bool isUnit(const glm::vec3& n) {
     return std::abs(glm::dot(n, n) - 1.0f) < 1e-3f;
 } // false for NaN
 
-bool isValidMaterial(const Material& m, std::size_t imageCount) {
-    const bool colors =
-        finite(m.baseColor) && finite(m.emission) &&
-        glm::min(m.baseColor, m.emission) == glm::max(glm::min(m.baseColor, m.emission), glm::vec4(0.0f));
-    const bool optics = inUnitRange(m.optics.x) && inUnitRange(m.optics.y) &&
-                        m.optics.x + m.optics.y <= 1.0f + 1e-5f && m.optics.z >= 1.0f && m.optics.z <= 100.0f;
-    return colors && optics && (m.images.x == kNoImage || m.images.x < imageCount);
-}
-
 bool isValidImage(const MeshImage& image, std::size_t pixelCount) {
     const std::uint64_t pixels = std::uint64_t(image.width) * image.height;
     return image.width > 0 && image.height > 0 && image.wrapU <= kWrapMirror && image.wrapV <= kWrapMirror &&
@@ -76,13 +67,21 @@ Bounds boundsOf(const Mesh& mesh) {
     return bounds;
 }
 
+bool isValid(const Material& m, std::size_t imageCount) {
+    const bool colors =
+        finite(m.baseColor) && finite(m.emission) &&
+        glm::min(m.baseColor, m.emission) == glm::max(glm::min(m.baseColor, m.emission), glm::vec4(0.0f));
+    const bool optics = inUnitRange(m.optics.x) && inUnitRange(m.optics.y) &&
+                        m.optics.x + m.optics.y <= 1.0f + 1e-5f && m.optics.z >= 1.0f && m.optics.z <= 100.0f;
+    return colors && optics && (m.images.x == kNoImage || m.images.x < imageCount);
+}
+
 void validate(const Mesh& mesh, const std::string& name) {
-    constexpr std::size_t kMaxCount = 0x7FFFFFFFu; // triangle and vertex indices stay below 2^31
     if (mesh.triangles.empty()) throw Error(ErrorKind::InvalidContent, name + ": has no triangles");
-    if (mesh.triangles.size() > kMaxCount || mesh.positions.size() > kMaxCount)
+    if (mesh.triangles.size() > kMaxIndexedCount || mesh.positions.size() > kMaxIndexedCount)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: {} triangles and {} vertices exceed {}", name, mesh.triangles.size(),
-                                mesh.positions.size(), kMaxCount));
+                                mesh.positions.size(), kMaxIndexedCount));
     const std::size_t vertexCount = mesh.positions.size();
     requireCount(mesh.normals.size(), vertexCount, name, "normals");
     if (!mesh.texcoords.empty())
@@ -99,7 +98,7 @@ void validate(const Mesh& mesh, const std::string& name) {
     requireEach(mesh.images, name, "image",
                 [&](const MeshImage& i) { return isValidImage(i, mesh.pixels.size()); });
     requireEach(mesh.materials, name, "material",
-                [&](const Material& m) { return isValidMaterial(m, mesh.images.size()); });
+                [&](const Material& m) { return isValid(m, mesh.images.size()); });
     requireEach(mesh.lights, name, "light",
                 [](const Light& l) { return finite(l.positionWorld) && finite(l.intensity); });
 }

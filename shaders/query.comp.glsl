@@ -39,14 +39,15 @@ void main() {
     vec4 directionTmax = rays[index].directionTmax;
     QueryHit result = QueryHit(uvec4(floatBitsToUint(-1.0f), 0u, 0u, kNoTriangle));
     WorkCounters work = WorkCounters(0u, 0u, 0u);
-    if (isTraceable(originTmin.xyz, directionTmax.xyz)) {
+    bool hasLength = originTmin.w <= directionTmax.w; // false for NaN
+    if (hasLength && isTraceable(originTmin.xyz, directionTmax.xyz)) {
         // World to atlas space, and the direction to about unit size; both by powers of two, so nothing is rounded but
         // the origin's offset. World t = atlas t * tScale.
         int exponent = scaleExponent(directionTmax.xyz);
         float directionScale = powerOfTwo(-exponent);
         float tScale = directionScale / grid.worldOffset.w;
         vec3 origin = (originTmin.xyz - grid.worldOffset.xyz) * grid.worldOffset.w;
-        Ray ray = Ray(origin, directionTmax.xyz * directionScale, originTmin.w / tScale, directionTmax.w / tScale);
+        Ray ray = Ray(origin, directionTmax.xyz * directionScale, max(originTmin.w, 0.0f) / tScale, directionTmax.w / tScale);
         Hit hit = trace(ray, kAnyHit, work);
         if (hit.triangle != kNoTriangle)
             result.tuvId = uvec4(floatBitsToUint(vec3(hit.t * tScale, hit.u, hit.v)), hit.triangle);

@@ -1,18 +1,18 @@
 // Light at a hit, and the rays that go on from it (Whitted 1980).
 const float kPi = 3.14159265f;
-const float kLeastWeight = 1e-3f; // rays that cannot change a pixel by more than this are not traced
+const float kLeastWeight = 1e-3f; // rays whose light counts less than this in the pixel are not traced
 
 // Radiance that one light sends through the surface to the eye; black if the light is hidden. Transmissive surfaces
 // hide it too.
-vec3 directLight(Surface s, Light light, inout WorkCounters work) {
-    vec3 toLight = light.positionWorld.xyz - s.position; // the host has moved lights to atlas space
+vec3 directLight(Surface s, AtlasLight light, inout WorkCounters work) {
+    vec3 toLight = light.positionAtlas.xyz - s.position;
     float squaredDistance = dot(toLight, toLight);
     float cosine = dot(s.normal, toLight) * inversesqrt(squaredDistance);
     if (!(cosine > 0.0f) || dot(s.geometricNormal, toLight) <= 0.0f) return vec3(0.0f);
     vec3 origin = leaveSurface(s, toLight);
-    Hit blocker = trace(Ray(origin, light.positionWorld.xyz - origin, 0.0f, 1.0f), true, work);
+    Hit blocker = trace(Ray(origin, light.positionAtlas.xyz - origin, 0.0f, 1.0f), true, work);
     if (blocker.triangle != kNoTriangle) return vec3(0.0f);
-    return s.albedo * light.intensity.rgb * (cosine / (kPi * squaredDistance));
+    return s.albedo * light.intensityAtlas.rgb * (cosine / (kPi * squaredDistance));
 }
 
 vec3 localLight(Surface s, inout WorkCounters work) {

@@ -18,7 +18,7 @@ int wrapTexel(int x, int size, uint wrap) {
     return inPeriod < size ? inPeriod : period - 1 - inPeriod;
 }
 
-#if RT_HAS_TEXTURES
+#if RT_HAS_TEXTURES // else the images and pages are not declared
 vec3 fetchTexel(ImagePlace place, ivec2 texel) {
     ivec2 wrapped = ivec2(wrapTexel(texel.x, int(place.rect.z), place.page.y), wrapTexel(texel.y, int(place.rect.w), place.page.z));
     return texelFetch(texturePages, ivec3(ivec2(place.rect.xy) + wrapped, int(place.page.x)), 0).rgb;
@@ -44,6 +44,10 @@ vec3 imageColor(uint image, uvec4 vertices, vec3 weights) {
     vec2 texcoord = weights.x * loadTexcoord(vertices.x) + weights.y * loadTexcoord(vertices.y) + weights.z * loadTexcoord(vertices.z);
     return sampleImage(images[image], texcoord);
 }
+#else
+vec3 imageColor(uint image, uvec4 vertices, vec3 weights) {
+    return vec3(1.0f);
+}
 #endif
 
 vec3 interpolateNormal(uvec4 vertices, vec3 weights, vec3 fallback) {
@@ -51,6 +55,14 @@ vec3 interpolateNormal(uvec4 vertices, vec3 weights, vec3 fallback) {
              weights.z * octDecode(loadNormal(vertices.z));
     float squaredLength = dot(n, n);
     return squaredLength > 1e-12f ? n * inversesqrt(squaredLength) : fallback;
+}
+
+// Unit normal; edges are scaled to unit size first, since the cross product of tiny ones would underflow. `fallback`
+// where the corners are in line as far as floats can tell.
+vec3 faceNormal(TriangleRecord triangle, vec3 fallback) {
+    vec3 n = cross(normalize(triangle.v1.xyz - triangle.v0.xyz), normalize(triangle.v2.xyz - triangle.v0.xyz));
+    float squaredLength = dot(n, n);
+    return squaredLength > 0.0f ? n * inversesqrt(squaredLength) : normalize(fallback);
 }
 
 Surface surfaceAt(Ray ray, Hit hit) {
@@ -64,19 +76,14 @@ Surface surfaceAt(Ray ray, Hit hit) {
     s.position = weights.x * triangle.v0.xyz + weights.y * triangle.v1.xyz + weights.z * triangle.v2.xyz;
     s.positionError = gammaBound(7.0f) * (abs(weights.x * triangle.v0.xyz) + abs(weights.y * triangle.v1.xyz) +
                                           abs(weights.z * triangle.v2.xyz));
-    // Edges scaled to unit size: the cross product of tiny ones would underflow.
-    vec3 edge1 = triangle.v1.xyz - triangle.v0.xyz;
-    vec3 edge2 = triangle.v2.xyz - triangle.v0.xyz;
-    vec3 outward = normalize(cross(normalize(edge1), normalize(edge2)));
+    vec3 outward = faceNormal(triangle, -ray.direction);
     bool entering = dot(outward, ray.direction) <= 0.0f;
     s.geometricNormal = entering ? outward : -outward;
     s.normal = interpolateNormal(vertices, weights, outward);
     // The file's normals say which side is meant to be seen; only their direction relative to the face counts here.
     if (dot(s.normal, s.geometricNormal) < 0.0f) s.normal = -s.normal;
     s.albedo = material.baseColor.rgb;
-#if RT_HAS_TEXTURES
-    if (material.images.x != kNoImage) s.albedo *= imageColor(material.images.x, vertices, weights);
-#endif
+    if (kHasTextures && material.images.x != kNoImage) s.albedo *= imageColor(material.images.x, vertices, weights);
     s.emission = kHasEmission ? material.emission.rgb : vec3(0.0f);
     s.reflectivity = kHasReflection ? material.optics.x : 0.0f;
     s.transmission = kHasTransmission ? material.optics.y : 0.0f;

@@ -12,15 +12,23 @@ struct GridRay {
 };
 
 // Distance at which the ray enters the box [lo, hi] (x) and leaves it (y); x > y if it misses.
-vec2 boxSpan(vec3 origin, vec3 direction, vec3 lo, vec3 hi) {
-    bvec3 still = equal(direction, vec3(0.0f));
-    vec3 inverse = 1.0f / direction;
-    vec3 a = (lo - origin) * inverse;
-    vec3 b = (hi - origin) * inverse;
-    bvec3 outside = bvec3(uvec3(lessThan(origin, lo)) | uvec3(greaterThan(origin, hi)));
+vec2 boxSpan(Ray ray, vec3 lo, vec3 hi) {
+    bvec3 still = equal(ray.direction, vec3(0.0f));
+    vec3 inverse = 1.0f / ray.direction;
+    vec3 a = (lo - ray.origin) * inverse;
+    vec3 b = (hi - ray.origin) * inverse;
+    bvec3 outside = bvec3(uvec3(lessThan(ray.origin, lo)) | uvec3(greaterThan(ray.origin, hi)));
     vec3 near = mix(min(a, b), mix(vec3(-kNever), vec3(kNever), outside), still);
     vec3 far = mix(max(a, b), vec3(kNever), still);
     return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
+}
+
+// A component that is nothing beside the largest one becomes 0: its inverse would overflow, and even from 10^9 scene
+// sizes away it cannot move the ray by a rounding error.
+vec3 withoutTinyComponents(vec3 direction) {
+    vec3 size = abs(direction);
+    float largest = max(size.x, max(size.y, size.z));
+    return mix(direction, vec3(0.0f), lessThan(size, vec3(largest * 1e-20f)));
 }
 
 // `base` is the ray moved to where it enters the grid.
@@ -28,12 +36,7 @@ GridRay toGridRay(Ray base) {
     GridRay g;
     g.origin = (base.origin - grid.gridLo.xyz) * grid.cellsPerUnit.xyz;
     g.direction = base.direction * grid.cellsPerUnit.xyz;
-    // A component that cannot move the ray by a millionth of a voxel on its way through the grid counts as 0: its
-    // inverse would overflow.
-    vec3 size = abs(g.direction);
-    float largest = max(size.x, max(size.y, size.z));
-    bvec3 still = lessThan(size, vec3(largest * 1e-12f));
-    g.direction = mix(g.direction, vec3(0.0f), still);
+    bvec3 still = equal(g.direction, vec3(0.0f));
     g.inverse = mix(1.0f / g.direction, vec3(kNever), still);
     // Keeps a ray that runs inside a voxel face in the middle of its voxels, where no exit plane is 0 away.
     g.origin = mix(g.origin, floor(clamp(g.origin, vec3(0.0f), vec3(grid.dims.xyz) - 1.0f)) + 0.5f, still);
@@ -66,11 +69,12 @@ Hit intersectList(Ray ray, uint offset, Hit best, inout WorkCounters work) {
     return best;
 }
 
-// `ray` starts in the grid. anyHit: returns the first hit that is found.
+// `ray` starts in the grid, or so little before it that its first voxel is at the border. anyHit: returns the first hit that is found.
 Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
     GridRay g = toGridRay(ray);
     ivec3 last = ivec3(grid.dims.xyz) - 1;
-    ivec3 cell = clamp(ivec3(floor(g.origin + g.direction * max(ray.tMin, 0.0f))), ivec3(0), last);
+    float tStart = max(ray.tMin, 0.0f) * (1.0f - 2.0f * gammaBound(3.0f));
+    ivec3 cell = clamp(ivec3(floor(g.origin + g.direction * tStart)), ivec3(0), last);
     Hit best = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
     for (;;) {
         if (kCountWork) work.steps += 1u;
@@ -90,16 +94,21 @@ Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
     }
 }
 
-// Nearest hit of a ray with tMin <= t <= tMax, or with anyHit any such hit.
+// Nearest hit of a ray with tMin <= t <= tMax (tMin >= 0), or with anyHit any such hit.
 Hit trace(Ray ray, bool anyHit, inout WorkCounters work) {
     if (kCountWork) work.rays += 1u;
+    ray.direction = withoutTinyComponents(ray.direction);
     Hit miss = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
     vec3 gridHi = grid.gridLo.xyz + vec3(grid.dims.xyz) * grid.cellSize.xyz;
-    vec2 span = boxSpan(ray.origin, ray.direction, grid.gridLo.xyz, gridHi);
-    float tEnter = max(span.x, 0.0f);
-    if (!(tEnter <= span.y * (1.0f + 2.0f * gammaBound(3.0f))) || !(ray.tMin <= span.y) || !(tEnter <= ray.tMax)) return miss;
-    // From here on t counts from the grid's border, so that a far origin does not cost precision inside.
-    Ray base = Ray(ray.origin + ray.direction * tEnter, ray.direction, ray.tMin - tEnter, ray.tMax - tEnter);
+    vec2 span = boxSpan(ray, grid.gridLo.xyz, gridHi);
+    // Three roundings each: the entry is taken as early, the exit as late as it can be.
+    float tEnter = max(span.x * (1.0f - 2.0f * gammaBound(3.0f)), 0.0f);
+    float tLeave = span.y * (1.0f + 2.0f * gammaBound(3.0f));
+    if (!(tEnter <= tLeave) || !(ray.tMin <= tLeave) || !(tEnter <= ray.tMax)) return miss;
+    // From here on t counts from the grid's border, so that a far origin does not cost precision inside. One rounding,
+    // with fma: the new origin lies on the ray, whatever the error of tEnter.
+    vec3 origin = fma(ray.direction, vec3(tEnter), ray.origin);
+    Ray base = Ray(origin, ray.direction, ray.tMin - tEnter, ray.tMax - tEnter);
     Hit hit = walkGrid(base, anyHit, work);
     if (hit.triangle == kNoTriangle) return miss;
     hit.t += tEnter;

@@ -1,13 +1,11 @@
 // Triangles per second of rt-grid's builds, with Embree's high-quality BVH build as the peer of the same run:
 //     build/release/bin/rt_build_benchmark [scene.rtmesh]
 #include "formats/mesh_file.h"
+#include "tests/support/embree_scene.h"
 #include "tests/support/make_mesh.h"
 #include "tools/rt-grid/build_atlas.h"
 
 #include <benchmark/benchmark.h>
-#include <embree3/rtcore.h>
-
-#include <cstring>
 
 namespace rt {
 namespace {
@@ -43,26 +41,10 @@ void buildCloud(benchmark::State& state) {
     buildStructure(state, kStructureCloud, kCloudVoxelsPerTriangle);
 }
 
-RTCScene newEmbreeScene(RTCDevice device, const Mesh& mesh) {
-    RTCScene embreeScene = rtcNewScene(device);
-    rtcSetSceneBuildQuality(embreeScene, RTC_BUILD_QUALITY_HIGH);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void* positions = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12,
-                                              mesh.positions.size());
-    std::memcpy(positions, mesh.positions.data(), mesh.positions.size_bytes());
-    void* triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12,
-                                              mesh.triangles.size());
-    std::memcpy(triangles, mesh.triangles.data(), mesh.triangles.size_bytes());
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(embreeScene, geometry);
-    rtcReleaseGeometry(geometry);
-    return embreeScene;
-}
-
 void buildEmbree(benchmark::State& state) {
     RTCDevice device = rtcNewDevice(nullptr);
     for (auto _ : state) {
-        RTCScene embreeScene = newEmbreeScene(device, scene().mesh);
+        RTCScene embreeScene = test::newEmbreeScene(device, scene().mesh);
         rtcCommitScene(embreeScene);
         rtcReleaseScene(embreeScene);
     }

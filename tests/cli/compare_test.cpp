@@ -1,4 +1,5 @@
 #include "formats/image.h"
+#include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temporary_folder.h"
 
@@ -50,11 +51,6 @@ protected:
         EXPECT_THAT(result.out, IsEmpty());
     }
 
-    static std::string contentOf(const std::string& path) {
-        std::ifstream file(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(file), {}};
-    }
-
     TemporaryFolder folder_;
 };
 
@@ -87,7 +83,7 @@ TEST_F(CompareCli, NonFinitePixelsNeverPass) {
 
 TEST_F(CompareCli, JsonHoldsTheFiguresAndLeavesNoFileOnErrors) {
     EXPECT_EQ(compare({"zero.exr", "half.exr", "--json", "report.json"}).exitCode, 1);
-    const auto report = nlohmann::json::parse(contentOf(folder_.file("report.json")));
+    const auto report = nlohmann::json::parse(readText(folder_.file("report.json")));
     EXPECT_EQ(report.at("schemaVersion"), 1);
     EXPECT_EQ(report.at("verdict"), "fail");
     EXPECT_NEAR(report.at("color").at("rmse").get<double>(), 0.35355339059327379, 1e-15);
@@ -96,7 +92,7 @@ TEST_F(CompareCli, JsonHoldsTheFiguresAndLeavesNoFileOnErrors) {
     EXPECT_EQ(report.at("uints").at("id").at("differing"), 1);
     EXPECT_EQ(report.at("a").at("file"), folder_.file("zero.exr"));
     EXPECT_EQ(compare({"zero.exr", "absent.exr", "--json", "other.json"}).exitCode, 3);
-    EXPECT_THAT(contentOf(folder_.file("other.json")), IsEmpty());
+    EXPECT_THAT(readText(folder_.file("other.json")), IsEmpty());
 }
 
 TEST_F(CompareCli, JsonOnStandardOutputIsAlone) {
@@ -104,11 +100,12 @@ TEST_F(CompareCli, JsonOnStandardOutputIsAlone) {
     EXPECT_EQ(result.exitCode, 1);
     const auto report = nlohmann::json::parse(result.out);
     EXPECT_EQ(report.at("b").at("nan"), 3);
+    EXPECT_EQ(report.at("b").at("nonFinitePixels"), 1);
     EXPECT_EQ(report.at("b").at("firstNonFinite").at("x"), 1);
 }
 
 TEST_F(CompareCli, StandardInputIsAnImage) {
-    EXPECT_EQ(compare({"-", "zero.exr"}, contentOf(folder_.file("zero.exr"))).exitCode, 0);
+    EXPECT_EQ(compare({"-", "zero.exr"}, readText(folder_.file("zero.exr"))).exitCode, 0);
     expectError(compare({"-", "-"}), 2, "standard input");
 }
 
@@ -137,7 +134,7 @@ TEST_F(CompareCli, FilesThatAreNotExrAreExitCode4) {
     std::ofstream(folder_.file("empty.exr"));
     std::ofstream(folder_.file("text.exr")) << "not a picture at all";
     std::ofstream(folder_.file("cut.exr"), std::ios::binary)
-        << contentOf(folder_.file("zero.exr")).substr(0, 400);
+        << readText(folder_.file("zero.exr")).substr(0, 400);
     expectError(compare({"zero.exr", "empty.exr"}), 4, "empty.exr: is not an OpenEXR file");
     expectError(compare({"text.exr", "zero.exr"}), 4, "text.exr: is not an OpenEXR file");
     expectError(compare({"cut.exr", "zero.exr"}), 4, "cut.exr: ");

@@ -2,6 +2,7 @@
 #include "formats/atlas_file.h"
 #include "formats/mesh_file.h"
 #include "tests/support/make_mesh.h"
+#include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temporary_folder.h"
 
@@ -23,10 +24,6 @@ protected:
 
     std::string mesh() const { return folder_.file("scene.rtmesh"); }
     std::string atlas() const { return folder_.file("scene.rtatlas"); }
-    std::string bytesOf(const std::string& path) const {
-        const SharedSpan<std::byte> bytes = readFile(path);
-        return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    }
     CommandResult grid(std::vector<std::string> arguments) const {
         arguments.insert(arguments.begin(), RT_BIN_DIR "/rt-grid");
         return runCommand(arguments);
@@ -87,8 +84,8 @@ TEST_F(GridCli, bytesDoNotDependOnThreadsOrPaths) {
     const std::string otherVdb = folder_.file("b.vdb");
     EXPECT_EQ(grid({mesh(), "-o", atlas(), "-j", "1", "--resolution", "65", "--vdb", vdb}).exitCode, 0);
     EXPECT_EQ(grid({mesh(), "-o", other, "-j", "2", "--resolution", "65", "--vdb", otherVdb}).exitCode, 0);
-    EXPECT_EQ(bytesOf(atlas()), bytesOf(other));
-    EXPECT_EQ(bytesOf(vdb), bytesOf(otherVdb));
+    EXPECT_EQ(readText(atlas()), readText(other));
+    EXPECT_EQ(readText(vdb), readText(otherVdb));
 }
 
 TEST_F(GridCli, vdbPrintReadsTheVoxels) {
@@ -141,6 +138,10 @@ TEST_F(GridCli, wrongUsageIs2) {
     expectFailure(2, {mesh(), "-o", atlas(), "--density", "4", "--resolution", "4"}, "--density");
     expectFailure(2, {mesh(), "-o", atlas(), "--max-memory", "lots"}, "--max-memory");
     expectFailure(2, {mesh(), "-o", atlas(), "--vdb", atlas()}, "two outputs");
+    expectFailure(2, {mesh(), "-o", mesh()}, "an input and an output");
+    expectFailure(2, {mesh(), "-o", atlas(), "--vdb", folder_.file("./scene.rtmesh")},
+                  "an input and an output");
+    EXPECT_NO_THROW(readMesh(mesh()));
     expectFailure(2, {mesh(), "-o", "-", "--json", "-"}, "standard output");
     expectFailure(2, {mesh()}, "--output");
     expectFailure(2, {mesh(), "-o", ""}, "empty");
@@ -150,10 +151,13 @@ TEST_F(GridCli, filesThatCannotBeReadOrWrittenAre3) {
     expectFailure(3, {folder_.file("absent.rtmesh"), "-o", atlas()}, "absent.rtmesh");
     expectFailure(3, {mesh(), "-o", folder_.file("no/such/folder.rtatlas")}, "folder.rtatlas");
     expectFailure(3, {mesh(), "-o", atlas(), "--vdb", folder_.file("no/such/folder.vdb")}, "folder.vdb");
+    expectFailure(3, {mesh(), "-o", folder_.file("no/such.rtatlas"), "--vdb", folder_.file("a.vdb")},
+                  "such.rtatlas");
+    expectFailure(3, {mesh(), "-o", atlas(), "--json", folder_.file("no/such.json")}, "such.json");
 }
 
 TEST_F(GridCli, invalidMeshesAre4) {
-    const std::string whole = bytesOf(mesh());
+    const std::string whole = readText(mesh());
     const std::string broken = folder_.file("broken.rtmesh");
     for (const std::size_t length : {std::size_t(0), std::size_t(10), std::size_t(200), whole.size() - 1}) {
         writeFile(broken, whole.substr(0, length));
@@ -187,9 +191,9 @@ TEST_F(GridCli, memoryStaysWithinTheForecast) {
 
 TEST_F(GridCli, aFailedRunLeavesTheOldAtlas) {
     ASSERT_EQ(grid({mesh(), "-o", atlas()}).exitCode, 0);
-    const std::string before = bytesOf(atlas());
+    const std::string before = readText(atlas());
     EXPECT_EQ(grid({mesh(), "-o", atlas(), "--resolution", "1000"}).exitCode, 5);
-    EXPECT_EQ(bytesOf(atlas()), before);
+    EXPECT_EQ(readText(atlas()), before);
 }
 
 TEST_F(GridCli, helpNamesTheExitCodesAndTheLimits) {
@@ -197,7 +201,7 @@ TEST_F(GridCli, helpNamesTheExitCodesAndTheLimits) {
     EXPECT_EQ(result.exitCode, 0);
     EXPECT_THAT(result.out, HasSubstr("Exit codes:"));
     EXPECT_THAT(result.out, HasSubstr("65536"));
-    EXPECT_THAT(result.out, HasSubstr("75 % of this machine's memory"));
+    EXPECT_THAT(result.out, HasSubstr("75 % of this "));
 }
 
 } // namespace

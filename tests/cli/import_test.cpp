@@ -1,4 +1,5 @@
 // rt-import as its users meet it: exit codes, one line of error, whole outputs or none.
+#include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
@@ -28,10 +29,6 @@ protected:
         arguments.insert(arguments.begin(), RT_BIN_DIR "/rt-import");
         return test::runCommand(arguments);
     }
-    static std::string read(const std::string& path) {
-        std::ifstream file(path, std::ios::binary);
-        return {std::istreambuf_iterator<char>(file), {}};
-    }
     void expectRefusal(const std::string& model, int exitCode, const std::string& reason) const {
         const std::size_t entries = folder_.entryCount();
         const CommandResult result =
@@ -54,11 +51,11 @@ TEST_F(ImportCli, WritesMeshReportAndDependencies) {
     EXPECT_EQ(result.exitCode, 0);
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_THAT(result.err, HasSubstr("57184 triangles"));
-    EXPECT_THAT(read(mesh), StartsWith("\x89RTMESH\n"));
-    EXPECT_THAT(read(deps), StartsWith(mesh + ": "));
-    EXPECT_THAT(read(deps), HasSubstr("poolTable.mtl"));
-    EXPECT_THAT(read(deps), HasSubstr("poolCueEnd.png"));
-    const nlohmann::json report = nlohmann::json::parse(read(json));
+    EXPECT_THAT(test::readText(mesh), StartsWith("\x89RTMESH\n"));
+    EXPECT_THAT(test::readText(deps), StartsWith(mesh + ": "));
+    EXPECT_THAT(test::readText(deps), HasSubstr("poolTable.mtl"));
+    EXPECT_THAT(test::readText(deps), HasSubstr("poolCueEnd.png"));
+    const nlohmann::json report = nlohmann::json::parse(test::readText(json));
     EXPECT_EQ(report["triangles"], 57184);
     EXPECT_EQ(report["images"], 17);
     EXPECT_TRUE(report["warnings"].empty());
@@ -72,7 +69,7 @@ TEST_F(ImportCli, SameInputGivesSameBytes) {
     ASSERT_EQ(run({model, "-o", folder_.file("a.rtmesh"), "-j", "1", "-q"}).exitCode, 0);
     const CommandResult second = run({model, "-o", "-", "-j", "7", "-q"});
     EXPECT_EQ(second.err, "");
-    EXPECT_TRUE(second.out == read(folder_.file("a.rtmesh")));
+    EXPECT_TRUE(second.out == test::readText(folder_.file("a.rtmesh")));
 }
 
 TEST_F(ImportCli, UsageErrorsExitWith2) {
@@ -83,6 +80,10 @@ TEST_F(ImportCli, UsageErrorsExitWith2) {
           {model, "-o", ""},
           {"-o", "x.rtmesh"},
           {model, "-o", model},
+          {model, "-o", folder_.file("./m.obj")},
+          {model, "-o", folder_.file("x.rtmesh"), "--json", model},
+          {model, "-o", folder_.file("x.rtmesh"), "--json", folder_.file("x.rtmesh")},
+          {"-", "-o", folder_.file("x.rtmesh")},
           {model, "-o", "-", "--json", "-"},
           {model, "-o", "-", "--depfile", "d"},
           {model, "-o", folder_.file("x.rtmesh"), "--crease", "200"},
@@ -91,7 +92,22 @@ TEST_F(ImportCli, UsageErrorsExitWith2) {
         EXPECT_EQ(result.exitCode, 2) << result.err;
         EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     }
-    EXPECT_EQ(read(model), kTriangle);
+    EXPECT_EQ(test::readText(model), kTriangle);
+    EXPECT_EQ(folder_.entryCount(), 1u);
+}
+
+TEST_F(ImportCli, OutputsDoNotReplaceTheModelsOtherFiles) {
+    const std::string library = write("m.mtl", "newmtl m\n");
+    const std::string model = write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+    const CommandResult result = run({model, "-o", library});
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_THAT(result.err, HasSubstr("m.mtl is an input and an output"));
+    EXPECT_EQ(test::readText(library), "newmtl m\n");
+}
+
+TEST_F(ImportCli, AReportThatCannotBeWrittenLeavesNoMeshEither) {
+    const std::string model = write("m.obj", kTriangle);
+    EXPECT_EQ(run({model, "-o", folder_.file("x.rtmesh"), "--json", folder_.file("no/x.json")}).exitCode, 3);
     EXPECT_EQ(folder_.entryCount(), 1u);
 }
 

@@ -3,6 +3,7 @@
 #include "formats/image_exr.h"
 #include "formats/mesh_file.h"
 #include "tests/support/make_mesh.h"
+#include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temporary_folder.h"
 
@@ -19,11 +20,6 @@ namespace {
 
 using test::CommandResult;
 using testing::HasSubstr;
-
-std::string slurp(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
 
 void spit(const std::string& path, const std::string& bytes) {
     std::ofstream(path, std::ios::binary) << bytes;
@@ -72,8 +68,8 @@ TEST_F(TraceCommand, RendersEveryOutputAndTheFigures) {
     EXPECT_EQ(image.height, 48u);
     for (const char* name : {"R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z", "id"})
         EXPECT_TRUE(image.find(name)) << name;
-    EXPECT_EQ(slurp(out.file("a.png")).substr(1, 3), "PNG");
-    const auto json = nlohmann::json::parse(slurp(out.file("a.json")));
+    EXPECT_EQ(test::readText(out.file("a.png")).substr(1, 3), "PNG");
+    const auto json = nlohmann::json::parse(test::readText(out.file("a.json")));
     for (const char* key : {"gpuMs", "loadMs", "uploadMs", "compileMs", "readbackMs", "writeMs",
                             "mraysPerSecond", "stepsPerRay", "testsPerRay"})
         EXPECT_GE(json.at(key).get<double>(), 0.0) << key;
@@ -90,7 +86,7 @@ TEST_F(TraceCommand, ReproduciblePicturesAreTheSameBytes) {
                          name[0] == 'a' ? "1" : "2"})
                       .exitCode,
                   0);
-    EXPECT_EQ(slurp(out.file("a.exr")), slurp(out.file("b.exr")));
+    EXPECT_EQ(test::readText(out.file("a.exr")), test::readText(out.file("b.exr")));
 }
 
 TEST_F(TraceCommand, CameraOptionsMoveThePicture) {
@@ -121,7 +117,7 @@ TEST_F(TraceCommand, TracesRaysAndReportsTimes) {
                      "--json", out.file("j")})
                   .exitCode,
               0);
-    const std::string hits = slurp(out.file("hits"));
+    const std::string hits = test::readText(out.file("hits"));
     ASSERT_EQ(hits.size(), 32u);
     float t[2];
     std::uint32_t id[2];
@@ -133,7 +129,7 @@ TEST_F(TraceCommand, TracesRaysAndReportsTimes) {
     EXPECT_LT(id[0], 1280u);
     EXPECT_EQ(t[1], -1.0f);
     EXPECT_EQ(id[1], 0xFFFFFFFFu);
-    const auto json = nlohmann::json::parse(slurp(out.file("j")));
+    const auto json = nlohmann::json::parse(test::readText(out.file("j")));
     EXPECT_EQ(json.at("rays"), 2);
     EXPECT_EQ(json.at("hits"), 1);
     EXPECT_LE(json.at("minMs").get<double>(), json.at("medianMs").get<double>());
@@ -168,8 +164,13 @@ TEST_F(TraceCommand, WrongUsageIs2) {
     expectFailure({atlas(), "-o", "OUT", "--device", "best"}, 2, "--device");
     expectFailure({atlas(), "-o", "OUT", "--any-hit"}, 2, "--any-hit");
     expectFailure({atlas(), "-o", "OUT", "--rays", rays, "--size", "4x4"}, 2, "--size");
-    expectFailure({atlas(), "-o", "OUT", "-o", "OUT", "--rays", rays}, 2, "one -o");
+    expectFailure({atlas(), "-o", "OUT", "-o", out.file("b"), "--rays", rays}, 2, "one -o");
     expectFailure({atlas(), "-o", "OUT", "--unknown"}, 2, "--unknown");
+    expectFailure({atlas(), "-o", "OUT", "-o", "OUT"}, 2, "two outputs");
+    expectFailure({atlas(), "-o", "OUT", "--json", "OUT"}, 2, "two outputs");
+    expectFailure({atlas(), "-o", "-", "--rays", rays, "--json", "-"}, 2, "two outputs");
+    expectFailure({atlas(), "-o", rays, "--rays", rays}, 2, "an input and an output");
+    expectFailure({atlas(), "-o", "OUT", "--json", atlas()}, 2, "an input and an output");
     expectFailure({atlas(), "-o", ""}, 2, "empty");
 }
 
@@ -180,7 +181,7 @@ TEST_F(TraceCommand, FilesThatCannotBeReadOrWrittenAre3) {
 }
 
 TEST_F(TraceCommand, InvalidContentIs4) {
-    const std::string whole = slurp(atlas());
+    const std::string whole = test::readText(atlas());
     const std::string bad = folder->file("bad.rtatlas");
     for (const std::size_t size : {std::size_t(0), std::size_t(63), whole.size() / 2, whole.size() - 1}) {
         spit(bad, whole.substr(0, size));
@@ -195,6 +196,11 @@ TEST_F(TraceCommand, PicturesLargerThanTheDeviceAllowsAre5) {
     expectFailure({atlas(), "-o", "OUT", "--size", "100000x4"}, 5, "--size 100000x4");
 }
 
+TEST_F(TraceCommand, AnOutputThatCannotBeWrittenLeavesNoOtherOneBehind) {
+    expectFailure({atlas(), "-o", "OUT", "-o", out.file("no/folder/a.png"), "--size", "8"}, 3, "a.png");
+    expectFailure({atlas(), "-o", "OUT", "--json", out.file("no/folder/a.json"), "--size", "8"}, 3, "a.json");
+}
+
 TEST_F(TraceCommand, DevicesThatDoNotExistAre6) {
     expectFailure({atlas(), "-o", "OUT", "--device", "999"}, 6, "--device 999");
 }
@@ -204,6 +210,20 @@ TEST_F(TraceCommand, ListsDevicesWithTheirIndex) {
     EXPECT_EQ(result.exitCode, 0) << result.err;
     EXPECT_EQ(result.out.substr(0, 3), "0  ");
     EXPECT_THAT(result.out, HasSubstr("ware  "));
+}
+
+TEST_F(TraceCommand, DevicesThatCannotBePrintedAre3) {
+    const CommandResult result =
+        test::runCommand({"/bin/sh", "-c", RT_BIN_DIR "/rt-trace --list-devices > /dev/full"});
+    EXPECT_EQ(result.exitCode, 3) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("standard output"));
+}
+
+TEST_F(TraceCommand, HelpShowsTheDefaults) {
+    const std::string help = trace({"--help"}).out;
+    for (const char* text :
+         {"512x512", "G|R,G,B=0.1", "G|R,G,B=0.32,0.4,0.5", "a radiance of 0.9", "required"})
+        EXPECT_THAT(help, HasSubstr(text));
 }
 
 } // namespace

@@ -43,11 +43,17 @@ inline std::vector<QueryHit> traceQuery(const GlContext& context, const Atlas& a
     const ResourcePlan plan =
         planResources(atlas, queryFeatures(atlas, settings.anyHit), ShaderKind::Query, limits, "atlas");
     const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, "atlas");
-    const GpuRays gpuRays(rays, false, context.limits(), settings.maxBatch);
+    GpuRays gpuRays(rays.size(), false, context.limits(), settings.maxBatch);
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();
-    gpuRays.trace(program, 1, context.device().software);
-    return gpuRays.readHits();
+    std::vector<QueryHit> hits(rays.size());
+    for (std::size_t first = 0; first < rays.size(); first += gpuRays.batchSize()) {
+        const std::size_t count = std::min<std::size_t>(gpuRays.batchSize(), rays.size() - first);
+        gpuRays.upload(std::span(rays).subspan(first, count));
+        gpuRays.trace(program, 1, context.device().software);
+        gpuRays.readHits(std::span(hits).subspan(first, count));
+    }
+    return hits;
 }
 
 } // namespace rt::test

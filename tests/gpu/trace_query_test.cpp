@@ -23,6 +23,9 @@ QueryRay ray(const glm::vec3& origin, const glm::vec3& direction, float tMin = 0
 float distanceOf(const QueryHit& hit) {
     return std::bit_cast<float>(hit.tuvId.x);
 }
+glm::dvec2 weightsOf(const QueryHit& hit) {
+    return {std::bit_cast<float>(hit.tuvId.y), std::bit_cast<float>(hit.tuvId.z)};
+}
 bool isMiss(const QueryHit& hit) {
     return hit.tuvId.w == kNoTriangle;
 }
@@ -35,6 +38,7 @@ bool sameBytes(const std::vector<QueryHit>& a, const std::vector<QueryHit>& b) {
 // barycentric units; negative outside.
 struct ExactHit {
     double t = std::numeric_limits<double>::infinity();
+    double u = 0.0, v = 0.0;
     double margin = -1.0;
 };
 
@@ -50,7 +54,7 @@ ExactHit intersectExactly(const Mesh& mesh, std::size_t triangle, const QueryRay
     const glm::dvec3 q = glm::cross(fromV0, v1 - v0);
     const double u = glm::dot(fromV0, p) / determinant;
     const double v = glm::dot(direction, q) / determinant;
-    return {glm::dot(v2 - v0, q) / determinant, std::min({u, v, 1.0 - u - v})};
+    return {glm::dot(v2 - v0, q) / determinant, u, v, std::min({u, v, 1.0 - u - v})};
 }
 
 bool isWithin(double t, const QueryRay& query, double slack) {
@@ -58,7 +62,16 @@ bool isWithin(double t, const QueryRay& query, double slack) {
 }
 
 constexpr double kEdge = 1e-5; // barycentric distance from an edge within which float and double may disagree
-constexpr double kClose = 1e-5; // relative difference of t, likewise
+constexpr double kClose = 1e-5;  // relative difference of t, likewise
+constexpr double kWeight = 1e-4; // difference of u and v; least certain in slivers
+
+// The point that was found is on the triangle, and is where the ray meets it.
+void expectSamePoint(const ExactHit& exact, const QueryHit& found) {
+    EXPECT_GT(exact.margin, -kEdge);
+    EXPECT_NEAR(distanceOf(found), exact.t, kClose * std::abs(exact.t) + 1e-6);
+    EXPECT_NEAR(weightsOf(found).x, exact.u, kWeight);
+    EXPECT_NEAR(weightsOf(found).y, exact.v, kWeight);
+}
 
 // Distance of the nearest hit that no rounding can take away; infinite if there is none.
 double nearestCertainHit(const Mesh& mesh, const QueryRay& query) {
@@ -81,8 +94,7 @@ void expectNearest(const Mesh& mesh, const QueryRay& query, const QueryHit& foun
     }
     ASSERT_LT(found.tuvId.w, mesh.triangles.size());
     const ExactHit exact = intersectExactly(mesh, found.tuvId.w, query);
-    EXPECT_GT(exact.margin, -kEdge);
-    EXPECT_NEAR(distanceOf(found), exact.t, kClose * std::abs(exact.t) + 1e-6);
+    expectSamePoint(exact, found);
     EXPECT_TRUE(isWithin(exact.t, query, kClose));
     EXPECT_LE(exact.t, nearest * (1.0 + kClose));
 }
@@ -138,7 +150,7 @@ protected:
                 EXPECT_EQ(isMiss(anyHits[i]), isMiss(hits[i]));
                 if (isMiss(anyHits[i])) continue;
                 const ExactHit exact = intersectExactly(mesh, anyHits[i].tuvId.w, rays[i]);
-                EXPECT_GT(exact.margin, -kEdge);
+                expectSamePoint(exact, anyHits[i]);
                 EXPECT_TRUE(isWithin(exact.t, rays[i], kClose));
             }
         }

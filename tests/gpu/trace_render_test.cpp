@@ -51,7 +51,7 @@ protected:
         gpuAtlas.bind();
         view.bind();
         film.bind();
-        warmUpRender(program, view);
+        finishCompiling(program, view);
         renderRows(program, view, *context);
         return {film.read(), features.countWork ? film.readCounters() : std::vector<glm::uvec4>()};
     }

@@ -1,24 +1,16 @@
 #include "tests/support/run_command.h"
 
+#include "tests/support/read_text.h"
 #include "tests/support/temporary_folder.h"
 
 #include <fcntl.h>
 #include <fstream>
-#include <iterator>
 #include <spawn.h>
 #include <sys/wait.h>
 
 extern char** environ;
 
 namespace rt::test {
-namespace {
-
-std::string slurp(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-} // namespace
 
 CommandResult runCommand(const std::vector<std::string>& argv, const std::string& input) {
     const TemporaryFolder folder;
@@ -38,7 +30,7 @@ CommandResult runCommand(const std::vector<std::string>& argv, const std::string
     int status = 0;
     waitpid(child, &status, 0);
     const int exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return {exitCode, slurp(folder.file("out")), slurp(folder.file("err"))};
+    return {exitCode, readText(folder.file("out")), readText(folder.file("err"))};
 }
 
 } // namespace rt::test

@@ -2,28 +2,27 @@
 #include "common/binary_io.h"
 #include "common/command_line.h"
 #include "common/error.h"
+#include "common/run_tool.h"
+#include "tests/support/read_text.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace rt {
 namespace {
-
-std::string textOf(const std::string& path) {
-    const auto bytes = readFile(path);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 TEST(WriteFile, ReplacesAndLeavesNothingElseBehind) {
     const test::TemporaryFolder folder;
     writeFile(folder.file("a"), std::string_view("one"));
     writeFile(folder.file("a"), std::string_view("another"));
-    EXPECT_EQ(textOf(folder.file("a")), "another");
+    EXPECT_EQ(test::readText(folder.file("a")), "another");
     EXPECT_EQ(folder.entryCount(), 1u);
 }
 
@@ -48,8 +47,33 @@ TEST(WriteFile, KeepsPermissionsAndSymbolicLinks) {
     fs::create_symlink("a", folder.file("link"));
     writeFile(folder.file("link"), std::string_view("new"));
     EXPECT_TRUE(fs::is_symlink(folder.file("link")));
-    EXPECT_EQ(textOf(folder.file("a")), "new");
+    EXPECT_EQ(test::readText(folder.file("a")), "new");
     EXPECT_EQ(fs::status(folder.file("a")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+}
+
+TEST(WriteFile, KeepsPermissionsThatTheUmaskWouldTake) {
+    const test::TemporaryFolder folder;
+    const mode_t before = umask(022);
+    writeFile(folder.file("a"), std::string_view("old"));
+    chmod(folder.file("a").c_str(), 0664);
+    writeFile(folder.file("a"), std::string_view("new"));
+    writeFile(folder.file("fresh"), std::string_view("new"));
+    umask(before);
+    struct stat info {};
+    ASSERT_EQ(stat(folder.file("a").c_str(), &info), 0);
+    EXPECT_EQ(info.st_mode & 07777, 0664u);
+    ASSERT_EQ(stat(folder.file("fresh").c_str(), &info), 0);
+    EXPECT_EQ(info.st_mode & 07777, 0644u);
+}
+
+TEST(WriteFile, StaleTemporaryFilesOfAKilledProcessDoNotBlockIt) {
+    const test::TemporaryFolder folder;
+    const std::string stale = folder.file("a") + ".tmp." + std::to_string(getpid());
+    for (const char* name : {"", ".0", ".1"}) std::ofstream(stale + name) << "stale";
+    writeFile(folder.file("a"), std::string_view("new"));
+    EXPECT_EQ(test::readText(folder.file("a")), "new");
+    EXPECT_EQ(test::readText(stale + ".0"), "stale");
+    EXPECT_EQ(folder.entryCount(), 4u);
 }
 
 TEST(WriteFile, MissingFolderIsAFileAccessError) {
@@ -69,6 +93,61 @@ TEST(ReadFile, MissingFileAndFolderAreFileAccessErrors) {
     EXPECT_THROW(readFile(folder.file("")), Error);
 }
 
+// A body reads a mapped file that has become shorter since.
+int readShrunkFile(int, const char* const* argv) {
+    writeFile(argv[0], std::string(1u << 16, 'x'));
+    const auto bytes = readFile(argv[0]);
+    std::filesystem::resize_file(argv[0], 0);
+    return static_cast<int>(bytes[5000]);
+}
+
+TEST(RunTool, AnInputThatShrinksWhileItIsReadIsOneLineAndAFileAccessError) {
+    const test::TemporaryFolder folder;
+    std::string path = folder.file("a");
+    char* arguments[] = {path.data(), nullptr};
+    EXPECT_EXIT(std::_Exit(runTool("rt-x", 1, arguments, readShrunkFile)), testing::ExitedWithCode(3),
+                "^rt-x: error: an input file changed while it was read\n$");
+}
+
+int stopOneself(int, const char* const*) {
+    raise(SIGTERM);
+    return 0;
+}
+
+TEST(RunTool, SignalsEndTheToolAsEver) {
+    EXPECT_EXIT(std::_Exit(runTool("rt-x", 0, nullptr, stopOneself)), testing::KilledBySignal(SIGTERM), "^$");
+}
+
+TEST(RequireWritable, FindsMissingFoldersAndFoldersAndTouchesNothing) {
+    const test::TemporaryFolder folder;
+    EXPECT_THROW(requireWritable(folder.file("none/a")), Error);
+    EXPECT_THROW(requireWritable(folder.file("")), Error);
+    for (const std::string& path :
+         {folder.file("a"), std::string("a"), std::string("-"), std::string("/dev/null")})
+        EXPECT_NO_THROW(requireWritable(path)) << path;
+    EXPECT_EQ(folder.entryCount(), 0u);
+}
+
+TEST(DistinctPaths, OutputsAreNeitherInputsNorEachOther) {
+    const test::TemporaryFolder folder;
+    const std::string a = folder.file("a"), link = folder.file("link");
+    const std::string fresh = folder.file("fresh"), spelled = folder.file("./fresh");
+    writeFile(a, std::string_view("one"));
+    std::filesystem::create_symlink("a", link);
+    EXPECT_NO_THROW(requireDistinctPaths({a, a, "-"}, {fresh, "-", "", "", "/dev/null", "/dev/null"}));
+    for (const std::vector<std::string>& outputs : std::vector<std::vector<std::string>>{
+             {a}, {link}, {fresh, spelled}, {"-", fresh, "-"}, {folder.file("sub/../a")}}) {
+        try {
+            requireDistinctPaths({a}, outputs);
+            ADD_FAILURE() << outputs[0];
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::Usage);
+        }
+    }
+    EXPECT_THROW(requireDistinctPaths({}, {a, link}), Error);
+    EXPECT_THROW(requireDistinctPaths({fresh}, {spelled}), Error); // the input does not exist
+}
+
 TEST(ParseNumbers, TakesExactlyWhatItSays) {
     EXPECT_EQ(parseNumbers("1,-2.5,3e2", 3, "--eye"), (std::vector<double>{1.0, -2.5, 300.0}));
     for (const char* bad : {"", "1,2", "1,2,3,4", "1,2,x", "1,,3", "1,2,nan", "1,2,inf", "1,2,3 "})
@@ -85,7 +164,7 @@ TEST(ParseSizes, TakesExactlyWhatItSays) {
 TEST(Depfile, EscapesWhatMakeWouldRead) {
     const test::TemporaryFolder folder;
     writeDepfile(folder.file("d"), "out file", {"a b.obj", "c$d.mtl"});
-    EXPECT_EQ(textOf(folder.file("d")), "out\\ file: \\\n  a\\ b.obj \\\n  c$$d.mtl\n");
+    EXPECT_EQ(test::readText(folder.file("d")), "out\\ file: \\\n  a\\ b.obj \\\n  c$$d.mtl\n");
 }
 
 } // namespace

@@ -107,13 +107,16 @@ TEST(CompareMetrics, NonFiniteValuesAreCountedOverAllChannelsAndLeftOutOfTheRmse
     EXPECT_EQ(c.nonFiniteA.nan, 2u);
     EXPECT_EQ(c.nonFiniteA.positiveInf, 2u);
     EXPECT_EQ(c.nonFiniteA.negativeInf, 1u);
+    EXPECT_EQ(c.nonFiniteA.pixels, 3u); // the second has one in G and one in Z
     EXPECT_EQ(c.nonFiniteA.first->channel, "G");
     EXPECT_EQ(c.nonFiniteB.total(), 0u);
+    EXPECT_EQ(c.nonFiniteB.pixels, 0u);
     EXPECT_EQ(c.color->compared, 9u);
     EXPECT_EQ(c.color->values, 12u);
     EXPECT_DOUBLE_EQ(c.color->rmse(), std::sqrt(5.0 / 9.0));
-    EXPECT_THAT(c.failures,
-                ElementsAre(HasSubstr("5 non-finite values in the first image, first in G at x 0, y 0")));
+    EXPECT_THAT(
+        c.failures,
+        ElementsAre(HasSubstr("5 non-finite values in 3 pixels of the first image, first in G at x 0, y 0")));
 }
 
 TEST(CompareMetrics, ImagesWithoutAFinitePairFail) {
@@ -168,7 +171,7 @@ TEST(CompareMetrics, UintChannelsAreCountedByPixel) {
 }
 
 TEST(CompareMetrics, AgreesWithReferenceValuesOfRealRenders) {
-    // Computed by another program; RGB, in images/EXPECTED.md of the collection.
+    // Computed over R, G and B by another program.
     const struct {
         const char *a, *b;
         double rmse, maxAbs;

@@ -3,6 +3,7 @@
 #include "formats/atlas_file.h"
 #include "formats/mesh_file.h"
 #include "formats/section_file.h"
+#include "tests/support/read_text.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -66,11 +67,6 @@ std::string bytes(const SharedSpan<T>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
-std::string slurp(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 void spill(const std::string& path, const std::string& content) {
     std::ofstream(path, std::ios::binary | std::ios::trunc) << content;
 }
@@ -85,7 +81,7 @@ ErrorKind failureOf(const std::function<void()>& read) {
 }
 
 void expectEveryDamageIsRefused(const std::string& path, const std::function<void()>& read) {
-    const std::string good = slurp(path);
+    const std::string good = test::readText(path);
     ASSERT_GT(good.size(), 500u);
     for (std::size_t length = 0; length < good.size(); ++length) {
         spill(path, good.substr(0, length));
@@ -199,6 +195,14 @@ TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {
     EXPECT_TRUE(refused([](Atlas& a) { a.references = Words{2, 0, 2}; })) << "no such triangle";
     EXPECT_TRUE(refused([](Atlas& a) { a.grid.counts.w = 2; })) << "light count";
     EXPECT_TRUE(refused([](Atlas& a) { a.grid.dims.w = 9; })) << "structure";
+    EXPECT_TRUE(refused([](Atlas& a) { a.grid.cellsPerUnit.x = 2.0f; })) << "inverse voxel size";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.info.pageWidth = a.info.pageHeight = 1u << 31;
+        a.info.pageCount = 4; // the product is 2^64
+    })) << "pages";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.triangles = std::vector<TriangleRecord>{a.triangles[0], a.triangles[0]};
+    })) << "a triangle under another's number";
     EXPECT_TRUE(refused([](Atlas& a) { a.grid.worldOffset.w = 0.3f; })) << "scale";
     EXPECT_TRUE(refused([](Atlas& a) {
         a.triangleVertices = std::vector<glm::uvec4>(2, {0, 1, 4, 0});

@@ -1,6 +1,9 @@
+#include "common/binary_io.h"
 #include "common/error.h"
 #include "formats/octahedral.shared.h"
 #include "tests/support/make_mesh.h"
+#include "tests/support/temporary_folder.h"
+#include "tools/rt-grid/bin_triangles.h"
 #include "tools/rt-grid/build_atlas.h"
 #include "tools/rt-grid/vdb_export.h"
 
@@ -10,6 +13,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <filesystem>
 
 namespace rt {
 namespace {
@@ -138,6 +142,28 @@ TEST(GridLimits, memoryIsForecastBeforeItIsTaken) {
     EXPECT_THAT(message, testing::HasSubstr("needs at least 513 MiB"));
     EXPECT_THAT(message, testing::HasSubstr("the limit is 100 MiB (--max-memory)"));
     EXPECT_LT(peakMemoryBytes(), 450u << 20);
+}
+
+TEST(GridLimits, oneGiantTriangleStopsBeforeItFillsTheMemory) {
+    const std::vector<TriangleRecord> triangles{{.v0 = {0, 0, 0, 0}, .v1 = {1, 0, 0, 0}, .v2 = {0, 1, 0, 0}}};
+    const GridLayout layout = placeGrid(gridBounds(triangles), glm::uvec3(16384, 16384, 1));
+    EXPECT_THROW(binTriangles(triangles, layout, {1000, "too many"}), Error); // of 2^27
+    EXPECT_LT(peakMemoryBytes(), 300u << 20);
+}
+
+TEST(GridLimits, theControlGroupsLimitCounts) {
+    const test::TemporaryFolder folder;
+    const auto bytesWith = [&](const std::string& name, std::string_view text) {
+        writeFile(folder.file(name), text);
+        return defaultMemoryLimit(folder.file("")).bytes;
+    };
+    const std::uint64_t machine = defaultMemoryLimit(folder.file("none")).bytes;
+    EXPECT_GT(machine, 0u);
+    EXPECT_EQ(bytesWith("memory.max", "max\n"), machine);
+    EXPECT_EQ(bytesWith("memory.max", "4194304\n"), 3u << 20);
+    std::filesystem::create_directory(folder.file("memory"));
+    EXPECT_EQ(bytesWith("memory/memory.limit_in_bytes", "9223372036854771712\n"), 3u << 20);
+    EXPECT_EQ(bytesWith("memory/memory.limit_in_bytes", "2097152\n"), 3u << 19);
 }
 
 TEST(GridLimits, listsStopGrowingAtTheLimit) {

@@ -87,7 +87,7 @@ TEST(WriteImage, ExtensionChoosesTheFormatWhateverItsCase) {
     EXPECT_EQ(readExr(folder.file("a.EXR")).find("R")->values, std::vector<float>{0.5f});
     EXPECT_EQ(std::filesystem::file_size(folder.file("a.png")), encodePng(image).size());
     for (const char* path : {"a.jpg", "a", "exr", "dir.exr/a", "-"}) {
-        EXPECT_FALSE(isImagePath(path)) << path;
+        EXPECT_FALSE(imageFileType(path)) << path;
         EXPECT_THROW(writeImage(path, image), Error) << path;
     }
     EXPECT_EQ(folder.entryCount(), 2u);

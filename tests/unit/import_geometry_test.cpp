@@ -47,6 +47,17 @@ TEST(ImportGeometry, ObjFacesStandInFileOrderWhenMaterialsAndGroupsAlternate) {
     EXPECT_EQ(model.mesh.materials[0].baseColor, glm::vec4(1, 0, 0, 1));
 }
 
+TEST(ImportGeometry, ObjRunsOfAnObjectThatReturnsStandBehindItsEarlierOnes) {
+    ModelFiles files;
+    files.write("m.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 0 0\nv 4 0 0\nv 0 1 0\n"
+                         "usemtl p\no A\nf 1 2 6\nusemtl q\no B\nf 2 3 6\n"
+                         "o A\nf 3 4 6\nusemtl p\nf 4 5 6\n");
+    const Mesh mesh = files.import("m.obj").mesh;
+    std::vector<float> order;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) order.push_back(cornersOf(mesh, t)[0].x);
+    EXPECT_THAT(order, ElementsAre(0, 3, 1, 2));
+}
+
 TEST(ImportGeometry, PolygonsAreCutInPlaceAndDegenerateFacesStay) {
     ModelFiles files;
     files.write("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n"

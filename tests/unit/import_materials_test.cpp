@@ -5,6 +5,9 @@
 
 #include <gmock/gmock.h>
 
+#include <optional>
+#include <unistd.h>
+
 namespace rt {
 namespace {
 
@@ -199,6 +202,41 @@ TEST(ImportMaterials, MissingAndDamagedTexturesLeaveTheFactorAndAWarning) {
         EXPECT_EQ(model.mesh.materials[0].baseColor, glm::vec4(0.5f, 0.25f, 1, 1));
         EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr(name)));
         EXPECT_THAT(model.mesh.texcoords, IsEmpty());
+    }
+}
+
+TEST(ImportMaterials, ATextureThatMayNotBeReadIsAWarningToo) {
+    ModelFiles files;
+    files.write("m.mtl", "newmtl m\nmap_Kd secret.ppm\n");
+    files.write("m.obj", kTexturedTriangle);
+    files.write("secret.ppm", fourColourImage());
+    const std::filesystem::path folder = std::filesystem::path(files.path("m.obj")).parent_path();
+    std::filesystem::permissions(folder, std::filesystem::perms(0755));
+    std::filesystem::permissions(files.path("secret.ppm"), std::filesystem::perms::none);
+    const bool root = geteuid() == 0; // whom permissions do not stop
+    ASSERT_EQ(seteuid(root ? 65534 : geteuid()), 0);
+    const auto import = [&] { return files.import("m.obj"); };
+    std::optional<ImportedModel> model;
+    EXPECT_NO_THROW(model = import());
+    ASSERT_EQ(seteuid(root ? 0 : geteuid()), 0);
+    ASSERT_TRUE(model);
+    EXPECT_EQ(model->mesh.materials[0].images.x, kNoImage);
+    EXPECT_THAT(model->report.warnings, ElementsAre(HasSubstr("cannot be opened: Permission denied")));
+}
+
+TEST(ImportMaterials, TooManyPixelsInAllHitTheLimitBeforeTheyAreDecoded) {
+    ModelFiles files;
+    files.write("m.mtl", "newmtl a\nmap_Kd small.ppm\nnewmtl b\nmap_Kd large.ppm\n");
+    files.write("m.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n"
+                         "usemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1/1 3/1 2/1\n");
+    files.write("small.ppm", fourColourImage());
+    files.write("large.ppm", "P6\n16384 16384\n255\n");
+    try {
+        files.import("m.obj");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::LimitExceeded);
+        EXPECT_THAT(error.what(), HasSubstr("large.ppm: with this image of 16384x16384 the textures exceed"));
     }
 }
 

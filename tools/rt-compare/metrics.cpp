@@ -41,9 +41,9 @@ void requireSameChannels(const Image& a, const Image& b, std::vector<std::string
 
 void requireFinite(const NonFiniteCounts& counts, const char* which, std::vector<std::string>& failures) {
     if (!counts.first) return;
-    failures.push_back(fmt::format("{} non-finite values in the {} image, first in {} at x {}, y {}",
-                                   counts.total(), which, counts.first->channel, counts.first->x,
-                                   counts.first->y));
+    failures.push_back(fmt::format(
+        "{} non-finite values in {} pixels of the {} image, first in {} at x {}, y {}", counts.total(),
+        counts.pixels, which, counts.first->channel, counts.first->x, counts.first->y));
 }
 
 std::uint64_t countDiffering(const ImageChannel& a, const ImageChannel& b) {
@@ -101,10 +101,13 @@ void ErrorSums::add(const ErrorSums& other) {
 
 NonFiniteCounts countNonFinite(const Image& image) {
     NonFiniteCounts counts;
+    std::vector<bool> isCounted(image.pixelCount());
     for (const ImageChannel& channel : image.channels) {
         for (std::size_t i = 0; i < channel.values.size(); ++i) {
             const float value = channel.values[i];
             if (std::isfinite(value)) continue;
+            counts.pixels += isCounted[i] ? 0u : 1u;
+            isCounted[i] = true;
             ++(std::isnan(value) ? counts.nan : value > 0.0f ? counts.positiveInf : counts.negativeInf);
             if (!counts.first)
                 counts.first = {channel.name, static_cast<std::uint32_t>(i % image.width),

@@ -18,9 +18,10 @@ struct PixelValue {
     double value = 0.0;
 };
 
-/// Counts over all half and float channels of one image.
+/// Counts of values over all half and float channels of one image, and of the pixels that hold any of them.
 struct NonFiniteCounts {
     std::uint64_t nan = 0, positiveInf = 0, negativeInf = 0;
+    std::uint64_t pixels = 0;
     std::optional<PixelValue> first; ///< first in the order of channels, then rows
     std::uint64_t total() const { return nan + positiveInf + negativeInf; }
 };

@@ -10,9 +10,9 @@ std::string describeImage(const char* which, const std::string& file, const Imag
                           const NonFiniteCounts& nonFinite) {
     std::string channels;
     for (const ImageChannel& channel : image.channels) channels += " " + channel.name;
-    return fmt::format("{}: {}: {} x {} pixels, channels{}; {} NaN, {} +Inf, {} -Inf\n", which, file,
-                       image.width, image.height, channels, nonFinite.nan, nonFinite.positiveInf,
-                       nonFinite.negativeInf);
+    return fmt::format("{}: {}: {} x {} pixels, channels{}; {} non-finite pixels: {} NaN, {} +Inf, {} -Inf\n",
+                       which, file, image.width, image.height, channels, nonFinite.pixels, nonFinite.nan,
+                       nonFinite.positiveInf, nonFinite.negativeInf);
 }
 
 nlohmann::json describeImage(const std::string& file, const Image& image, const NonFiniteCounts& nonFinite) {
@@ -22,6 +22,7 @@ nlohmann::json describeImage(const std::string& file, const Image& image, const 
                           {"width", image.width},
                           {"height", image.height},
                           {"channels", channels},
+                          {"nonFinitePixels", nonFinite.pixels},
                           {"nan", nonFinite.nan},
                           {"positiveInf", nonFinite.positiveInf},
                           {"negativeInf", nonFinite.negativeInf},

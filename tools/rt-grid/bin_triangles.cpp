@@ -36,21 +36,23 @@ ChunkVoxels voxelizeChunk(std::span<const TriangleRecord> triangles, const GridL
     ChunkVoxels chunk;
     chunk.countOfTriangle.reserve(triangles.size());
     const glm::uvec3 dims = layout.dims;
-    std::size_t unreported =
-        0; // one giant triangle after another must not fill the memory before anyone counts
+    std::size_t reported = 0;
+    const auto report = [&] {
+        const std::uint64_t more = chunk.voxels.size() - reported;
+        if (total.fetch_add(more, std::memory_order_relaxed) + more > limit.references)
+            throw Error(ErrorKind::LimitExceeded, limit.message);
+        reported = chunk.voxels.size();
+    };
     for (const TriangleRecord& triangle : triangles) {
         const std::size_t before = chunk.voxels.size();
         forEachVoxelOf(voxelTriangle(triangle, layout), dims, layout.padCells, [&](const glm::uvec3& at) {
             chunk.voxels.push_back((at.z * dims.y + at.y) * dims.x + at.x);
+            // One giant triangle must not fill the memory before anyone counts.
+            if (chunk.voxels.size() - reported == kVoxelsPerBlock) report();
         });
-        const std::size_t count = chunk.voxels.size() - before;
-        chunk.countOfTriangle.push_back(static_cast<std::uint32_t>(count));
-        unreported += count;
-        if (unreported < kVoxelsPerBlock && &triangle != &triangles.back()) continue;
-        if (total.fetch_add(unreported, std::memory_order_relaxed) + unreported > limit.references)
-            throw Error(ErrorKind::LimitExceeded, limit.message);
-        unreported = 0;
+        chunk.countOfTriangle.push_back(static_cast<std::uint32_t>(chunk.voxels.size() - before));
     }
+    report();
     chunk.voxels.shrink_to_fit();
     return chunk;
 }

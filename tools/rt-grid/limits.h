@@ -25,8 +25,10 @@ struct MemoryLimit {
     std::string origin;
 };
 
-/// 75 % of the machine's physical memory.
-MemoryLimit defaultMemoryLimit();
+/// 75 % of the machine's physical memory or of what its control group (a container, say) may use, whichever
+/// is less; no limit if the system tells neither. `cgroupFolder` is where control groups are mounted:
+/// memory.max in it is read (version 2), and memory/memory.limit_in_bytes (version 1).
+MemoryLimit defaultMemoryLimit(const std::string& cgroupFolder = "/sys/fs/cgroup");
 
 /// Bytes that a build needs besides the mapped mesh file and its triangle lists:
 ///     voxels * (4 + 16 if a VDB file is written) + triangles * (48 + 16 + 4) + vertices * 4 + texels * 4.

@@ -8,29 +8,25 @@
 
 #include <nlohmann/json.hpp>
 
-#include <fmt/format.h>
-
 namespace rt {
 namespace {
-
-void logStages(const StageTimer& timer) {
-    for (const auto& [stage, ms] : timer.stagesMs()) logDetail(fmt::format("{:<10}{:9.1f} ms", stage, ms));
-    logDetail(fmt::format("largest memory {} MiB", peakMemoryBytes() >> 20));
-}
 
 int gridMain(int argc, const char* const* argv) {
     const std::optional<GridOptions> options = parseGridOptions(argc, argv);
     if (!options) return 0;
+    for (const std::string& path : outputsOf(*options)) requireWritable(path);
     StageTimer timer;
     timer.begin("read");
     const MeshFile mesh = readMesh(options->meshPath);
     const Atlas atlas = buildAtlas(mesh, options->meshPath, options->build, timer);
+    std::string vdb;
     if (!options->vdbPath.empty()) {
         timer.begin("vdb");
-        writeFile(options->vdbPath, vdbBytes(atlas));
+        vdb = vdbBytes(atlas);
     }
     timer.begin("write");
     writeAtlas(options->atlasPath, atlas);
+    if (!options->vdbPath.empty()) writeFile(options->vdbPath, vdb);
     timer.end();
     const GridReport report{*options, atlas, timer};
     if (!options->common.jsonPath.empty()) writeJson(options->common.jsonPath, jsonOf(report));

@@ -13,7 +13,7 @@
 namespace rt {
 namespace {
 
-// What the options hold before they are understood.
+// Options as they are typed; readRaw() turns them into BuildOptions.
 struct RawOptions {
     std::string structure = "cloud";
     std::string resolution;
@@ -29,6 +29,7 @@ const char* const kDescription = "Builds the acceleration structure of a .rtmesh
                                  "large scene wants a high --resolution.";
 
 void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
+    const MemoryLimit memory = defaultMemoryLimit();
     app.add_option("mesh", options.meshPath, "Input; - for standard input")
         ->required()
         ->type_name("scene.rtmesh");
@@ -58,16 +59,16 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
     app.add_option(
            "--max-memory", raw.maxMemory,
            fmt::format(
-               "Refuse builds that need more, e.g. 800M or 12G; by default 75 % of this machine's memory, "
-               "{}M. Raise it only if you mean to swap",
-               defaultMemoryLimit().bytes >> 20))
+               "Refuse builds that need more, e.g. 800M or 12G; by default {}, {}M. Raise it only if you "
+               "mean to swap",
+               memory.origin, memory.bytes >> 20))
         ->type_name("SIZE");
     app.add_option("--vdb", options.vdbPath,
                    "Write the voxels as OpenVDB grids too: to look at a grid in other programs")
         ->type_name("out.vdb");
 }
 
-void understand(const RawOptions& raw, GridOptions& options) {
+void readRaw(const RawOptions& raw, GridOptions& options) {
     BuildOptions& build = options.build;
     const bool uniform = raw.structure == "uniform";
     build.structure = uniform ? kStructureUniform : kStructureCloud;
@@ -77,14 +78,6 @@ void understand(const RawOptions& raw, GridOptions& options) {
     if (!raw.resolution.empty()) parseResolution(raw.resolution, build.resolution);
     if (!raw.maxMemory.empty()) build.memory = {parseByteSize(raw.maxMemory, "--max-memory"), "--max-memory"};
     build.vdb = !options.vdbPath.empty();
-    std::vector<std::string> paths{options.atlasPath};
-    for (const std::string& path : {options.vdbPath, options.common.jsonPath})
-        if (!path.empty()) paths.push_back(path);
-    std::sort(paths.begin(), paths.end());
-    const auto twice = std::adjacent_find(paths.begin(), paths.end());
-    if (twice != paths.end())
-        throw Error(ErrorKind::Usage, fmt::format("{} is named for two outputs; name different files",
-                                                  *twice == "-" ? "standard output" : *twice));
 }
 
 } // namespace
@@ -100,8 +93,16 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv) {
                                  GLM_VERSION_MAJOR, GLM_VERSION_MINOR, GLM_VERSION_PATCH,
                                  GLM_VERSION_REVISION));
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
-    understand(raw, options);
+    readRaw(raw, options);
+    requireDistinctPaths({options.meshPath}, outputsOf(options));
     return options;
+}
+
+std::vector<std::string> outputsOf(const GridOptions& options) {
+    std::vector<std::string> paths{options.atlasPath};
+    for (const std::string& path : {options.vdbPath, options.common.jsonPath})
+        if (!path.empty()) paths.push_back(path);
+    return paths;
 }
 
 std::uint64_t parseByteSize(const std::string& text, const std::string& option) {

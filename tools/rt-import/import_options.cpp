@@ -7,13 +7,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include <filesystem>
-
 namespace rt {
 
 bool parseImportOptions(int argc, const char* const* argv, ImportOptions& options) {
     CLI::App app("Reads a model (" + readableFormats() + ") into a .rtmesh", "rt-import");
-    app.add_option("MODEL", options.modelPath, "Model file; its textures are looked for in its folder")
+    app.add_option("MODEL", options.modelPath,
+                   "Model file, not standard input: its textures are looked for in its folder")
         ->required();
     app.add_option("-o,--output", options.outputPath, "Mesh to write; - for standard output")
         ->required()
@@ -27,14 +26,21 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     addDepfileOption(app, options.common);
     if (!parseCommandLine(app, argc, argv, options.common)) return false;
 
-    if (options.outputPath == "-" && options.common.jsonPath == "-")
-        throw Error(ErrorKind::Usage, "-o - and --json - exclude each other: both are standard output");
+    if (options.modelPath == "-")
+        throw Error(ErrorKind::Usage,
+                    "-: a model cannot come from standard input, since its textures are looked "
+                    "for in its folder; name a file (./- for one called -)");
     if (options.outputPath == "-" && !options.common.depfilePath.empty())
         throw Error(ErrorKind::Usage, "--depfile needs an output file to speak of; -o is -");
-    std::error_code ignored;
-    if (std::filesystem::equivalent(options.modelPath, options.outputPath, ignored))
-        throw Error(ErrorKind::Usage, fmt::format("-o {}: is the model itself", options.outputPath));
+    requireDistinctPaths({options.modelPath}, outputsOf(options));
     return true;
+}
+
+std::vector<std::string> outputsOf(const ImportOptions& options) {
+    std::vector<std::string> paths{options.outputPath};
+    for (const std::string& path : {options.common.jsonPath, options.common.depfilePath})
+        if (!path.empty()) paths.push_back(path);
+    return paths;
 }
 
 } // namespace rt

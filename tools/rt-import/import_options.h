@@ -2,6 +2,7 @@
 #include "common/command_line.h"
 
 #include <string>
+#include <vector>
 
 namespace rt {
 
@@ -14,5 +15,8 @@ struct ImportOptions {
 
 /// Returns false when --help or --version was asked for and printed. Throws Error{Usage}.
 bool parseImportOptions(int argc, const char* const* argv, ImportOptions& options);
+
+/// Every file that a run with these options writes; "-" is standard output.
+std::vector<std::string> outputsOf(const ImportOptions& options);
 
 } // namespace rt

@@ -8,11 +8,14 @@
 #include <fmt/format.h>
 #include <stb/stb_image.h>
 
+#include <cerrno>
 #include <climits>
 #include <cstring>
+#include <fcntl.h>
 #include <map>
 #include <memory>
 #include <tuple>
+#include <unistd.h>
 
 namespace rt {
 namespace {
@@ -24,11 +27,18 @@ struct Decoded {
     std::string fault;
 };
 
-void requireSide(std::int64_t width, std::int64_t height, const std::string& name) {
+// Checks an image of this size before its pixels are added.
+void requireRoom(std::int64_t width, std::int64_t height, const std::string& name,
+                 const std::vector<std::uint32_t>& pixels) {
     if (width > kMaxImageSide || height > kMaxImageSide)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: image of {}x{} pixels exceeds {} on a side; scale it down", name, width,
                                 height, kMaxImageSide));
+    if (pixels.size() + static_cast<std::uint64_t>(width * height) > kMaxPixels)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: with this image of {}x{} the textures exceed {} pixels (2^30 bytes) in "
+                                "all; scale them down",
+                                name, width, height, kMaxPixels));
 }
 
 Decoded decode(std::span<const std::byte> bytes, const std::string& name,
@@ -40,7 +50,7 @@ Decoded decode(std::span<const std::byte> bytes, const std::string& name,
     int width = 0, height = 0, channels = 0;
     const auto fault = [] { return fmt::format("cannot be decoded: {}", stbi_failure_reason()); };
     if (!stbi_info_from_memory(data, size, &width, &height, &channels)) return {.fault = fault()};
-    requireSide(width, height, name); // before the pixels are allocated
+    requireRoom(width, height, name, pixels); // before the pixels are allocated
     const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> rgba(
         stbi_load_from_memory(data, size, &width, &height, &channels, 4), &stbi_image_free);
     if (!rgba) return {.fault = fault()};
@@ -59,7 +69,7 @@ Decoded decodeEmbedded(const aiTexture& texture, const std::string& name,
         return decode({bytes, bytes ? texture.mWidth : 0u}, name, pixels);
     }
     if (texture.mWidth == 0 || !texture.pcData) return {.fault = "is empty"};
-    requireSide(texture.mWidth, texture.mHeight, name);
+    requireRoom(texture.mWidth, texture.mHeight, name, pixels);
     const std::size_t first = pixels.size();
     const std::size_t count = std::size_t(texture.mWidth) * texture.mHeight;
     for (std::size_t i = 0; i < count; ++i) {
@@ -93,6 +103,8 @@ public:
 
 private:
     Decoded decodeFile(const std::string& path) {
+        if (faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) != 0)
+            return {.fault = fmt::format("cannot be opened: {}", std::strerror(errno))};
         folder_.addRead(path);
         return decode(readFile(path), path, result.pixels);
     }

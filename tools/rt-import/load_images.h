@@ -12,6 +12,7 @@ namespace rt {
 class ModelFolder;
 
 inline constexpr std::uint32_t kMaxImageSide = 16384; // what every GL 4.5 device takes as a texture
+inline constexpr std::uint64_t kMaxPixels = std::uint64_t(1) << 28; // of all images: 2^30 bytes
 
 struct LoadedImages {
     std::vector<MeshImage> images;
@@ -19,9 +20,9 @@ struct LoadedImages {
 };
 
 /// Decodes the textures of `materials` to RGBA8 and sets their images.x. There is one image for each file and
-/// way of wrapping; a file is decoded once. A texture that is missing or damaged leaves its material with the
-/// colour factor and adds a warning. Throws Error{LimitExceeded} for an image wider or higher than
-/// kMaxImageSide.
+/// way of wrapping; a file is decoded once. A texture that is missing, unreadable or damaged leaves its
+/// material with the colour factor and adds a warning. Throws Error{LimitExceeded} for an image wider or
+/// higher than kMaxImageSide and for more than kMaxPixels in all, before they are decoded.
 LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials, ModelFolder& folder,
                         std::vector<std::string>& warnings);
 

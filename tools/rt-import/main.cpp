@@ -1,3 +1,4 @@
+#include "common/binary_io.h"
 #include "common/json_file.h"
 #include "common/log.h"
 #include "common/run_tool.h"
@@ -14,7 +15,7 @@ namespace {
 
 void logSummary(const std::string& path, const ImportedModel& model, const StageTimer& timer) {
     for (const std::string& warning : model.report.warnings) logWarning(path + ": " + warning);
-    for (const auto& [stage, ms] : timer.stagesMs()) logDetail(fmt::format("{}: {:.0f} ms", stage, ms));
+    logStages(timer);
     const Mesh& mesh = model.mesh;
     logInfo(fmt::format("{}: {} triangles, {} vertices, {} materials, {} images, {} bytes, {:.0f} ms", path,
                         mesh.triangles.size(), mesh.positions.size(), mesh.materials.size(),
@@ -24,8 +25,11 @@ void logSummary(const std::string& path, const ImportedModel& model, const Stage
 int run(int argc, const char* const* argv) {
     ImportOptions options;
     if (!parseImportOptions(argc, argv, options)) return 0;
+    const std::vector<std::string> outputs = outputsOf(options);
+    for (const std::string& path : outputs) requireWritable(path);
     StageTimer timer;
     const ImportedModel model = importModel(options.modelPath, options.creaseDegrees, timer);
+    requireDistinctPaths(model.filesRead, outputs); // textures and libraries count as inputs too
     timer.begin("write");
     writeMesh(options.outputPath, model.mesh);
     timer.end();

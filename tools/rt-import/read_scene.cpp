@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <glm/matrix.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rt {
@@ -50,19 +51,23 @@ void requireFinite(const aiScene& scene, const std::string& path) {
             fmt::format("{}: {}; {} vertices are not finite; correct or remove them", path, first, bad));
 }
 
+bool anyHasNormals(const std::vector<MeshInstance>& instances) {
+    return std::any_of(instances.begin(), instances.end(), [](const MeshInstance& instance) {
+        return instance.mesh->HasNormals() && countTriangles(*instance.mesh) > 0;
+    });
+}
+
 // Sizes everything beforehand, so that a file of few bytes and many instances fails before it takes the
 // memory.
 void reserve(SceneSoup& soup, const std::vector<MeshInstance>& instances, const SoupOptions& options,
              const std::string& path) {
     std::uint64_t vertices = 0, triangles = 0;
-    bool normals = false;
     for (const MeshInstance& instance : instances) {
         const std::uint64_t count = countTriangles(*instance.mesh);
         soup.droppedFaces += instance.mesh->mNumFaces - count;
         if (count == 0) continue;
         triangles += count;
         vertices += instance.mesh->mNumVertices;
-        normals = normals || (options.normals && instance.mesh->HasNormals());
     }
     if (triangles == 0)
         throw Error(ErrorKind::InvalidContent, path + ": has no triangles; nothing could be seen");
@@ -71,7 +76,7 @@ void reserve(SceneSoup& soup, const std::vector<MeshInstance>& instances, const 
                     fmt::format("{}: {} triangles and {} vertices exceed {}; split the scene", path,
                                 triangles, vertices, kMaxCount));
     soup.positions.reserve(vertices);
-    if (normals) soup.normals.reserve(vertices);
+    if (options.normals) soup.normals.reserve(vertices);
     if (options.texcoords) soup.texcoords.reserve(vertices);
     soup.triangles.reserve(triangles);
     soup.triangleMaterial.reserve(triangles);
@@ -91,15 +96,13 @@ glm::vec3 unitOrZero(const glm::dvec3& v) {
 void appendVertices(const MeshInstance& instance, const glm::dmat3& worldFromNormal,
                     const SoupOptions& options, SceneSoup& soup) {
     const aiMesh& mesh = *instance.mesh;
-    const bool wantNormals = soup.normals.capacity() > 0;
-    const bool hasNormals = options.normals && mesh.HasNormals();
     const unsigned channel = options.texcoords ? options.uvChannel[mesh.mMaterialIndex] : 0u;
     const bool hasTexcoords = options.texcoords && mesh.HasTextureCoords(channel);
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
         const glm::dvec4 p(vec3Of(mesh.mVertices[v]), 1.0);
         soup.positions.push_back(glm::vec3(instance.worldFromMesh * p));
-        if (wantNormals)
-            soup.normals.push_back(hasNormals
+        if (options.normals)
+            soup.normals.push_back(mesh.HasNormals()
                                        ? unitOrZero(worldFromNormal * glm::dvec3(vec3Of(mesh.mNormals[v])))
                                        : glm::vec3(0.0f));
         if (!options.texcoords) continue;
@@ -178,7 +181,9 @@ std::vector<bool> findUsedMaterials(const aiScene& scene, const std::vector<Mesh
 }
 
 SceneSoup readSoup(const aiScene& scene, const std::vector<MeshInstance>& instances,
-                   const SoupOptions& options, const std::string& path) {
+                   const SoupOptions& wanted, const std::string& path) {
+    SoupOptions options = wanted;
+    options.normals = wanted.normals && anyHasNormals(instances);
     SceneSoup soup;
     reserve(soup, instances, options, path);
     requireFinite(scene, path);

@@ -49,6 +49,6 @@ struct SoupOptions {
 /// indices that do not exist and coordinates that are not finite before or after the transform,
 /// Error{LimitExceeded} for more than 2^28 of anything; messages prefixed by `path`.
 SceneSoup readSoup(const aiScene& scene, const std::vector<MeshInstance>& instances,
-                   const SoupOptions& options, const std::string& path);
+                   const SoupOptions& wanted, const std::string& path);
 
 } // namespace rt

@@ -35,13 +35,19 @@ std::string logOf(GLuint object, GetParameter getParameter, GetLog getLog) {
     return log;
 }
 
-GlBuffer createEmptyBuffer(std::uint64_t size, GLbitfield flags) {
+// Without it a texture of integers, or one that lacks mipmaps, is incomplete: image stores then do nothing.
+void filterByNearest(GLuint texture) {
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+}
+
+GlBuffer createEmptyBuffer(std::uint64_t size, GLbitfield flags, const char* remedy) {
     requireAddressable(size);
     GLuint name = 0;
     glCreateBuffers(1, &name);
     GlBuffer buffer(name);
     glNamedBufferStorage(name, static_cast<GLsizeiptr>(std::max<std::uint64_t>(size, 16)), nullptr, flags);
-    checkGl(fmt::format("making a buffer of {} bytes", size));
+    checkGl(fmt::format("making a buffer of {} bytes", size), remedy);
     return buffer;
 }
 
@@ -72,14 +78,14 @@ void deleteQuery(GlName name) {
     glDeleteQueries(1, &name);
 }
 
-void checkGl(const std::string& doing) {
+void checkGl(const std::string& doing, const char* remedy) {
     const GLenum error = glGetError();
     if (error == GL_NO_ERROR) return;
     for (int i = 0; i < 16 && glGetError() != GL_NO_ERROR; ++i) { // later ones follow from the first
     }
     if (error == GL_OUT_OF_MEMORY)
         throw Error(ErrorKind::LimitExceeded,
-                    doing + ": the device has not enough memory; lower rt-grid's --resolution or the --size");
+                    fmt::format("{}: the device has not enough memory; {}", doing, remedy));
     throw Error(ErrorKind::Internal, fmt::format("{}: GL error 0x{:04x}", doing, error));
 }
 
@@ -95,11 +101,11 @@ GlBuffer createBuffer(std::span<const std::byte> bytes) {
     return buffer;
 }
 
-GlBuffer createOutputBuffer(std::uint64_t size) {
-    return createEmptyBuffer(size, 0);
+GlBuffer createOutputBuffer(std::uint64_t size, const char* remedy) {
+    return createEmptyBuffer(size, 0, remedy);
 }
-GlBuffer createDynamicBuffer(std::uint64_t size) {
-    return createEmptyBuffer(size, GL_DYNAMIC_STORAGE_BIT);
+GlBuffer createDynamicBuffer(std::uint64_t size, const char* remedy) {
+    return createEmptyBuffer(size, GL_DYNAMIC_STORAGE_BIT, remedy);
 }
 
 void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes) {
@@ -118,7 +124,8 @@ GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height) {
     glCreateTextures(GL_TEXTURE_2D, 1, &name);
     GlTexture texture(name);
     glTextureStorage2D(name, 1, format, toSize(width), toSize(height));
-    checkGl(fmt::format("making a texture of {}x{}", width, height));
+    filterByNearest(name);
+    checkGl(fmt::format("making a picture of {}x{}", width, height), "lower --size");
     return texture;
 }
 
@@ -127,8 +134,7 @@ GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned
     glCreateTextures(target, 1, &name);
     GlTexture texture(name);
     glTextureStorage3D(name, 1, format, toSize(width), toSize(height), toSize(depth));
-    glTextureParameteri(name, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTextureParameteri(name, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    filterByNearest(name);
     checkGl(fmt::format("making a texture of {}x{}x{}", width, height, depth));
     return texture;
 }

@@ -43,19 +43,23 @@ using GlTexture = GlObject<deleteTexture>;
 using GlProgram = GlObject<deleteProgram>;
 using GlQuery = GlObject<deleteQuery>;
 
-/// Throws for the errors that GL has recorded since the last call. `doing` begins the message.
-void checkGl(const std::string& doing);
+inline constexpr const char* kSmallerAtlas = "lower rt-grid's --resolution";
+
+/// Throws for the errors that GL has recorded since the last call. `doing` begins the message; `remedy` ends
+/// it where the device ran out of memory.
+void checkGl(const std::string& doing, const char* remedy = kSmallerAtlas);
 
 /// A buffer that holds `bytes`, or 16 zero bytes if there are none: an empty buffer cannot be bound.
 GlBuffer createBuffer(std::span<const std::byte> bytes);
 /// A buffer of `size` bytes for shaders to write.
-GlBuffer createOutputBuffer(std::uint64_t size);
+GlBuffer createOutputBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);
 /// A buffer of `size` bytes for updateBuffer() to change.
-GlBuffer createDynamicBuffer(std::uint64_t size);
+GlBuffer createDynamicBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);
 void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes);
 void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
 
-/// A texture without mipmaps, filtered by GL_NEAREST. `format` is a sized internal format of GL.
+/// Textures without mipmaps, filtered by GL_NEAREST. `format` is a sized internal format of GL. The 2D ones
+/// are for pictures.
 GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height);
 GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth);
 /// Fills a texture of 32-bit texels from the first layer on. `format` and `type` describe `texels` as GL

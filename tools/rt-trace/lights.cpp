@@ -61,11 +61,11 @@ std::vector<WorldLight> worldLights(const std::vector<LightRequest>& requested, 
 
 } // namespace
 
-std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
-                                const BoundsD& scene, const CameraPose& pose) {
+std::vector<AtlasLight> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
+                                     const BoundsD& scene, const CameraPose& pose) {
     const glm::dvec3 offset(atlas.grid.worldOffset);
     const double scale = atlas.grid.worldOffset.w;
-    std::vector<Light> lights;
+    std::vector<AtlasLight> lights;
     for (const WorldLight& light : worldLights(requested, atlas, scene, pose))
         lights.push_back({glm::vec4(glm::vec3((light.position - offset) * scale), 0.0f),
                           glm::vec4(glm::vec3(light.intensity * (scale * scale)), 0.0f)});

@@ -1,3 +1,4 @@
+#include "common/binary_io.h"
 #include "common/run_tool.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/options.h"
@@ -9,22 +10,27 @@
 namespace {
 
 void printDevices() {
+    std::string text;
     for (const rt::GlDevice& device : rt::listGlDevices()) {
         const char* const kind = device.software ? "software" : "hardware";
         if (device.problem.empty())
-            fmt::print("{}  {}  {}  GL {}  {}\n", device.index, kind, device.renderer, device.version,
-                       device.driver);
+            text += fmt::format("{}  {}  {}  GL {}  {}\n", device.index, kind, device.renderer,
+                                device.version, device.driver);
         else
-            fmt::print("{}  {}  cannot be used: {}\n", device.index, kind, device.problem);
+            text += fmt::format("{}  {}  cannot be used: {}\n", device.index, kind, device.problem);
     }
+    rt::writeFile("-", text);
 }
 
 int body(int argc, const char* const* argv) {
     const std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
     if (!options) return 0;
-    if (options->listDevices)
+    if (options->listDevices) {
         printDevices();
-    else if (options->raysPath.empty())
+        return 0;
+    }
+    for (const std::string& path : rt::outputsOf(*options)) rt::requireWritable(path);
+    if (options->raysPath.empty())
         rt::traceScene(*options);
     else
         rt::traceRays(*options);

@@ -17,7 +17,9 @@ constexpr const char* kQueryGroup = "Ray queries";
 // Options whose text is parsed once all of them are known.
 struct OptionTexts {
     std::string size = "512x512";
-    std::string eye, lookAt, up, ambient, background;
+    std::string ambient = "0.1";
+    std::string background = "0.32,0.4,0.5";
+    std::string eye, lookAt, up;
     std::vector<std::string> lights;
 };
 
@@ -65,11 +67,17 @@ void addPictureOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts)
         app.add_option("--fov", options.camera.fovDegrees, "Vertical field of view")
             ->type_name("DEG")
             ->capture_default_str(),
-        app.add_option("--light", texts.lights, "A point light instead of the scene's; repeatable")
+        app.add_option(
+               "--light", texts.lights,
+               "A point light instead of the scene's, repeatable; without R,G,B it gives a white surface "
+               "at the scene's centre a radiance of 0.9")
             ->type_name("X,Y,Z[,R,G,B]"),
-        app.add_option("--ambient", texts.ambient, "Light from everywhere; 0.1 by default")
-            ->type_name("G|R,G,B"),
-        app.add_option("--background", texts.background, "Radiance behind the scene")->type_name("G|R,G,B"),
+        app.add_option("--ambient", texts.ambient, "Light from everywhere")
+            ->type_name("G|R,G,B")
+            ->capture_default_str(),
+        app.add_option("--background", texts.background, "Radiance behind the scene")
+            ->type_name("G|R,G,B")
+            ->capture_default_str(),
         app.add_option("--max-depth", options.maxDepth, "Reflections and refractions in a row")
             ->check(CLI::Range(0, 16))
             ->type_name("N")
@@ -108,8 +116,8 @@ void convertTexts(const OptionTexts& texts, TraceOptions& options) {
     if (!texts.eye.empty()) options.camera.eye = parsePoint(texts.eye, "--eye");
     if (!texts.lookAt.empty()) options.camera.lookAt = parsePoint(texts.lookAt, "--look-at");
     if (!texts.up.empty()) options.camera.up = parsePoint(texts.up, "--up");
-    if (!texts.ambient.empty()) options.ambient = parseColor(texts.ambient, "--ambient");
-    if (!texts.background.empty()) options.background = parseColor(texts.background, "--background");
+    options.ambient = parseColor(texts.ambient, "--ambient");
+    options.background = parseColor(texts.background, "--background");
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
 }
 
@@ -125,6 +133,7 @@ void checkDevice(const std::string& device) {
 void checkPaths(const TraceOptions& options) {
     if (options.scenePath.empty()) throw Error(ErrorKind::Usage, "no scene was named; see rt-trace --help");
     if (options.outputPaths.empty()) throw Error(ErrorKind::Usage, "no output was named; add -o FILE");
+    requireDistinctPaths({options.scenePath, options.raysPath}, outputsOf(options));
     if (!options.raysPath.empty()) {
         if (options.outputPaths.size() != 1) throw Error(ErrorKind::Usage, "--rays goes with one -o only");
         if (options.scenePath == "-" && options.raysPath == "-")
@@ -132,18 +141,26 @@ void checkPaths(const TraceOptions& options) {
         return;
     }
     for (const std::string& path : options.outputPaths)
-        if (!isImagePath(path))
+        if (!imageFileType(path))
             throw Error(ErrorKind::Usage, fmt::format("-o {}: pictures end in .exr or .png", path));
 }
 
 } // namespace
+
+std::vector<std::string> outputsOf(const TraceOptions& options) {
+    std::vector<std::string> paths = options.outputPaths;
+    if (!options.common.jsonPath.empty()) paths.push_back(options.common.jsonPath);
+    return paths;
+}
 
 std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv) {
     CLI::App app("Traces pictures or rays through an atlas, on a GPU or on Mesa's software renderer.",
                  "rt-trace");
     TraceOptions options;
     OptionTexts texts;
-    app.add_option("scene", options.scenePath, "The .rtatlas to trace");
+    app.add_option("scene", options.scenePath,
+                   "The .rtatlas to trace, - for standard input; required but for --list-devices")
+        ->type_name("FILE");
     app.add_option("-o,--output", options.outputPaths,
                    "A picture, .exr or .png (repeatable), or the hits of --rays")
         ->type_name("FILE")

@@ -22,8 +22,8 @@ struct TraceOptions {
     glm::uvec2 size{512, 512};
     CameraRequest camera;
     std::vector<LightRequest> lights;
-    glm::vec3 ambient{0.1f};
-    glm::vec3 background{0.32f, 0.40f, 0.50f};
+    glm::vec3 ambient{0.0f};
+    glm::vec3 background{0.0f};
     unsigned maxDepth = 4;
     bool reproducible = false;
 
@@ -32,6 +32,9 @@ struct TraceOptions {
     bool anyHit = false;
     unsigned repeat = 0; ///< 0: trace once, without warming the device up
 };
+
+/// Every file that the tool is to write, "-" for standard output.
+std::vector<std::string> outputsOf(const TraceOptions& options);
 
 /// Returns nothing when --help or --version was asked for and printed. Throws Error{Usage}.
 std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv);

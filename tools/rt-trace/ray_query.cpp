@@ -10,9 +10,12 @@
 namespace rt {
 namespace {
 
+constexpr std::uint64_t kMostRays = 1u << 24; // of a batch: 768 MiB of rays and hits
+constexpr const char* kFewerRays = "lower rt-grid's --resolution or trace fewer rays at a time";
+
 glm::uvec2 groupsFor(unsigned rays, const GlLimits& limits) {
     const unsigned groups = (rays + kRaysPerGroup - 1) / kRaysPerGroup;
-    const unsigned x = std::min(groups, limits.groupCountX);
+    const unsigned x = std::clamp(groups, 1u, limits.groupCountX);
     return {x, (groups + x - 1) / x};
 }
 
@@ -22,80 +25,65 @@ void bindStorage(GLuint binding, const GlBuffer& buffer) {
 
 } // namespace
 
-GpuRays::GpuRays(std::span<const QueryRay> rays, bool countWork, const GlLimits& limits,
-                 std::uint64_t maxBatch)
-    : count_(rays.size()) {
+GpuRays::GpuRays(std::uint64_t rayCount, bool countWork, const GlLimits& limits, std::uint64_t maxBatch)
+    : limits_(limits) {
     const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
     const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
-    const std::uint64_t most = std::min({perBuffer, perDispatch, maxBatch});
-    for (std::size_t first = 0; first < rays.size(); first += most) {
-        Batch batch{};
-        batch.count = static_cast<unsigned>(std::min<std::uint64_t>(most, rays.size() - first));
-        batch.groups = groupsFor(batch.count, limits);
-        const QueryParams params{{batch.count, 0, 0, 0}};
-        batch.params = createBuffer(std::as_bytes(std::span(&params, 1)));
-        batch.rays = createBuffer(std::as_bytes(rays.subspan(first, batch.count)));
-        batch.hits = createOutputBuffer(std::uint64_t(batch.count) * sizeof(QueryHit));
-        if (countWork) batch.counters = createOutputBuffer(std::uint64_t(batch.count) * sizeof(glm::uvec4));
-        batches_.push_back(std::move(batch));
-    }
+    batchSize_ = std::min({rayCount, kMostRays, perBuffer, perDispatch, maxBatch});
+    params_ = createDynamicBuffer(sizeof(QueryParams), kFewerRays);
+    rays_ = createDynamicBuffer(batchSize_ * sizeof(QueryRay), kFewerRays);
+    hits_ = createOutputBuffer(batchSize_ * sizeof(QueryHit), kFewerRays);
+    if (countWork) counters_ = createOutputBuffer(batchSize_ * sizeof(glm::uvec4), kFewerRays);
 }
 
-void GpuRays::dispatch(const Batch& batch) const {
-    glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_QUERY, batch.params.name());
-    bindStorage(RT_BUFFER_RAYS, batch.rays);
-    bindStorage(RT_BUFFER_HITS, batch.hits);
-    bindStorage(RT_BUFFER_COUNTERS, batch.counters);
-    glDispatchCompute(batch.groups.x, batch.groups.y, 1);
+void GpuRays::upload(std::span<const QueryRay> rays) {
+    count_ = static_cast<unsigned>(rays.size());
+    const QueryParams params{{count_, 0, 0, 0}};
+    updateBuffer(params_, std::as_bytes(std::span(&params, 1)));
+    updateBuffer(rays_, std::as_bytes(rays));
+}
+
+void GpuRays::bind() const {
+    glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_QUERY, params_.name());
+    bindStorage(RT_BUFFER_RAYS, rays_);
+    bindStorage(RT_BUFFER_HITS, hits_);
+    bindStorage(RT_BUFFER_COUNTERS, counters_);
 }
 
 std::vector<double> GpuRays::trace(const GlProgram& program, unsigned passes, bool software) const {
     glUseProgram(program.name());
+    bind();
+    const glm::uvec2 groups = groupsFor(count_, limits_);
     std::vector<GpuTimer> timers;
     for (unsigned pass = 0; pass < passes; ++pass) {
         GpuTimer& timer = timers.emplace_back(software);
         timer.begin();
-        for (const Batch& batch : batches_) dispatch(batch);
+        glDispatchCompute(groups.x, groups.y, 1);
         timer.end();
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); // passes write the same hits
     }
     std::vector<double> elapsedMs;
     for (const GpuTimer& timer : timers) elapsedMs.push_back(timer.elapsedMs());
-    checkGl("tracing rays");
+    checkGl("tracing rays", kFewerRays);
     return elapsedMs;
 }
 
-void GpuRays::warmUp(const GlProgram& program) const {
-    if (batches_.empty()) return;
-    const QueryParams none{};
-    const GlBuffer params = createBuffer(std::as_bytes(std::span(&none, 1)));
+void GpuRays::finishCompiling(const GlProgram& program) {
+    upload({});
     glUseProgram(program.name());
-    glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_QUERY, params.name());
-    bindStorage(RT_BUFFER_RAYS, batches_[0].rays);
-    bindStorage(RT_BUFFER_HITS, batches_[0].hits);
-    bindStorage(RT_BUFFER_COUNTERS, batches_[0].counters);
+    bind();
     glDispatchCompute(1, 1, 1);
     glFinish();
-    checkGl("starting the ray queries");
+    checkGl("starting the ray queries", kFewerRays);
 }
 
-std::vector<QueryHit> GpuRays::readHits() const {
-    std::vector<QueryHit> hits(count_);
-    std::size_t first = 0;
-    for (const Batch& batch : batches_) {
-        readBuffer(batch.hits, std::as_writable_bytes(std::span(hits).subspan(first, batch.count)));
-        first += batch.count;
-    }
-    return hits;
+void GpuRays::readHits(std::span<QueryHit> hits) const {
+    readBuffer(hits_, std::as_writable_bytes(hits));
 }
 
 std::vector<glm::uvec4> GpuRays::readCounters() const {
     std::vector<glm::uvec4> counters(count_);
-    std::size_t first = 0;
-    for (const Batch& batch : batches_) {
-        readBuffer(batch.counters, std::as_writable_bytes(std::span(counters).subspan(first, batch.count)));
-        first += batch.count;
-    }
+    readBuffer(counters_, std::as_writable_bytes(std::span(counters)));
     return counters;
 }
 

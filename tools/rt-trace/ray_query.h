@@ -9,32 +9,36 @@
 
 namespace rt {
 
-/// Rays and their hits in the device's memory, in batches that fit one storage buffer and one dispatch each.
+/// One batch of rays and its hits in the device's memory: at most 2^24 rays, fewer where a storage buffer or
+/// a dispatch takes fewer. The buffers are made once, for batches to stream through.
 class GpuRays {
 public:
-    /// `countWork`: makes room for counters too. `maxBatch` lowers the batches' size (tests).
-    GpuRays(std::span<const QueryRay> rays, bool countWork, const GlLimits& limits,
+    /// Makes room for batches of `rayCount` rays or of as many as a batch may have. `countWork`: for counters
+    /// too. `maxBatch` lowers the batches' size (tests).
+    GpuRays(std::uint64_t rayCount, bool countWork, const GlLimits& limits,
             std::uint64_t maxBatch = ~std::uint64_t(0));
 
-    /// Traces every ray `passes` times with what is bound; returns each pass' milliseconds on the device.
-    std::vector<double> trace(const GlProgram& program, unsigned passes, bool software) const;
-    /// Makes the driver finish compiling, without tracing.
-    void warmUp(const GlProgram& program) const;
+    std::uint64_t batchSize() const { return batchSize_; }
+    /// Replaces the batch; at most batchSize() rays.
+    void upload(std::span<const QueryRay> rays);
 
-    std::vector<QueryHit> readHits() const;
-    /// (1, steps, tests, 0) per ray.
+    /// Traces the batch `passes` times with what is bound; returns each pass' milliseconds on the device.
+    std::vector<double> trace(const GlProgram& program, unsigned passes, bool software) const;
+    /// Makes the driver finish compiling for what is bound, without tracing. Empties the batch.
+    void finishCompiling(const GlProgram& program);
+
+    /// One hit for each ray of the batch.
+    void readHits(std::span<QueryHit> hits) const;
+    /// (1, steps, tests, 0) per ray of the batch.
     std::vector<glm::uvec4> readCounters() const;
 
 private:
-    struct Batch {
-        unsigned count;
-        glm::uvec2 groups;
-        GlBuffer params, rays, hits, counters;
-    };
-    void dispatch(const Batch& batch) const;
+    void bind() const;
 
-    std::vector<Batch> batches_;
-    std::size_t count_ = 0;
+    GlLimits limits_;
+    std::uint64_t batchSize_;
+    unsigned count_ = 0; // rays of the batch
+    GlBuffer params_, rays_, hits_, counters_;
 };
 
 } // namespace rt

@@ -25,6 +25,13 @@ unsigned rowsPerDispatch(const glm::uvec4& size, const GlContext& context) {
 
 } // namespace
 
+WorkTotals& WorkTotals::operator+=(const WorkTotals& other) {
+    rays += other.rays;
+    steps += other.steps;
+    tests += other.tests;
+    return *this;
+}
+
 WorkTotals sumWork(std::span<const glm::uvec4> counters) {
     WorkTotals totals;
     for (const glm::uvec4& counter : counters) {
@@ -35,7 +42,7 @@ WorkTotals sumWork(std::span<const glm::uvec4> counters) {
     return totals;
 }
 
-GpuView::GpuView(const CameraParams& camera, const std::vector<Light>& lights)
+GpuView::GpuView(const CameraParams& camera, const std::vector<AtlasLight>& lights)
     : camera_(camera), cameraBuffer_(createDynamicBuffer(sizeof(CameraParams))),
       lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))) {}
 
@@ -51,7 +58,7 @@ void GpuView::setFirstRow(unsigned row) const {
     updateBuffer(cameraBuffer_, std::as_bytes(std::span(&camera, 1)));
 }
 
-void warmUpRender(const GlProgram& program, const GpuView& view) {
+void finishCompiling(const GlProgram& program, const GpuView& view) {
     glUseProgram(program.name());
     view.setFirstRow(view.camera().size.y); // below the picture: nothing is drawn
     glDispatchCompute(1, 1, 1);

@@ -13,6 +13,8 @@ struct WorkTotals {
     std::uint64_t rays = 0;
     std::uint64_t steps = 0; ///< voxels or leaps
     std::uint64_t tests = 0; ///< triangles
+
+    WorkTotals& operator+=(const WorkTotals& other);
 };
 WorkTotals sumWork(std::span<const glm::uvec4> counters);
 
@@ -20,7 +22,7 @@ WorkTotals sumWork(std::span<const glm::uvec4> counters);
 class GpuView {
 public:
     /// `lights` are in atlas space, see chooseLights().
-    GpuView(const CameraParams& camera, const std::vector<Light>& lights);
+    GpuView(const CameraParams& camera, const std::vector<AtlasLight>& lights);
     void bind() const;
     const CameraParams& camera() const { return camera_; }
     /// Makes the next dispatch start at this row of the picture.
@@ -32,7 +34,7 @@ private:
 };
 
 /// Makes the driver finish compiling for what is bound: some do so at the first dispatch only.
-void warmUpRender(const GlProgram& program, const GpuView& view);
+void finishCompiling(const GlProgram& program, const GpuView& view);
 
 /// Renders every row of view.camera().size into what is bound; returns milliseconds on the device.
 double renderRows(const GlProgram& program, const GpuView& view, const GlContext& context);

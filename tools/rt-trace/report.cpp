@@ -36,7 +36,8 @@ void reportCommon(nlohmann::json& report, const GlDevice& device, const AtlasFil
     for (const FeatureRow& row : featureTable())
         report["features"].push_back(
             {{"macro", row.macro}, {"value", features.*row.field}, {"reason", row.reason}});
-    for (const auto& [stage, ms] : stages.stagesMs()) report[stage + "Ms"] = ms;
+    for (const auto& [stage, ms] : stages.stagesMs()) // a stage may run once per batch of rays
+        report[stage + "Ms"] = report.value(stage + "Ms", 0.0) + ms;
     report["peakMemoryBytes"] = peakMemoryBytes();
 }
 

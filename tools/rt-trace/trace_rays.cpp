@@ -11,11 +11,12 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <optional>
 
 namespace rt {
 namespace {
 
-// GPUs idle at a fraction of their clock; they have reached it after this long (measured on an H200).
+// GPUs idle at a fraction of their clock; this long is enough to reach it, as far as measured.
 constexpr double kWarmUpMs = 1200.0;
 
 std::span<const QueryRay> asRays(const SharedSpan<std::byte>& bytes, const std::string& path) {
@@ -29,7 +30,7 @@ std::span<const QueryRay> asRays(const SharedSpan<std::byte>& bytes, const std::
 struct Traced {
     SceneFeatures features;
     std::vector<QueryHit> hits;
-    std::vector<double> passesMs; ///< sorted
+    std::vector<double> passesMs; ///< of all rays; sorted
     std::optional<WorkTotals> work;
 
     double medianMs() const {
@@ -48,37 +49,59 @@ std::vector<double> timedPasses(const GpuRays& rays, const GlProgram& program, b
     const auto start = Clock::now();
     while (repeat > 0 && std::chrono::duration<double, std::milli>(Clock::now() - start).count() < kWarmUpMs)
         rays.trace(program, 1, software);
-    std::vector<double> passesMs = rays.trace(program, std::max(repeat, 1u), software);
-    std::sort(passesMs.begin(), passesMs.end());
-    return passesMs;
+    return rays.trace(program, std::max(repeat, 1u), software);
+}
+
+struct QueryPrograms {
+    GlProgram timed;
+    std::optional<GlProgram> counting;
+};
+
+// Streams the rays through the device. A pass over all rays takes as long as that pass over each batch.
+Traced traceBatches(std::span<const QueryRay> rays, GpuRays& gpuRays, const QueryPrograms& programs,
+                    unsigned repeat, bool software, StageTimer& stages) {
+    Traced traced;
+    traced.hits.resize(rays.size());
+    traced.passesMs.resize(std::max(repeat, 1u));
+    if (programs.counting) traced.work = WorkTotals();
+    for (std::size_t first = 0; first < rays.size(); first += gpuRays.batchSize()) {
+        const std::size_t count = std::min<std::size_t>(gpuRays.batchSize(), rays.size() - first);
+        stages.begin("upload");
+        gpuRays.upload(rays.subspan(first, count));
+        stages.end();
+        const std::vector<double> passesMs = timedPasses(gpuRays, programs.timed, software, repeat);
+        for (std::size_t i = 0; i < passesMs.size(); ++i) traced.passesMs[i] += passesMs[i];
+        stages.begin("readback");
+        gpuRays.readHits(std::span(traced.hits).subspan(first, count));
+        stages.end();
+        if (!programs.counting) continue;
+        gpuRays.trace(*programs.counting, 1, software);
+        *traced.work += sumWork(gpuRays.readCounters());
+    }
+    std::sort(traced.passesMs.begin(), traced.passesMs.end());
+    return traced;
 }
 
 Traced trace(const TraceOptions& options, const Atlas& atlas, std::span<const QueryRay> rays,
              const GlContext& context, StageTimer& stages) {
     const std::string& name = options.scenePath;
-    const bool software = context.device().software;
     stages.begin("upload");
     ResourcePlan plan = planResources(atlas, queryFeatures(atlas, options.anyHit), ShaderKind::Query,
                                       context.limits().resources, name);
     const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, name);
-    const GpuRays gpuRays(rays, options.stats, context.limits());
+    GpuRays gpuRays(rays.size(), options.stats, context.limits());
     gpuAtlas.bind();
     stages.begin("compile");
-    const GlProgram program = compileVariant(plan);
-    gpuRays.warmUp(program);
+    QueryPrograms programs{compileVariant(plan), std::nullopt};
+    gpuRays.finishCompiling(programs.timed);
     stages.end();
-    Traced traced;
-    traced.features = plan.features;
-    traced.passesMs = timedPasses(gpuRays, program, software, options.repeat);
-    stages.begin("readback");
-    traced.hits = gpuRays.readHits();
-    stages.end();
+    const SceneFeatures features = plan.features;
     if (options.stats) {
         plan.features.countWork = 1;
-        const GlProgram counting = compileVariant(plan);
-        gpuRays.trace(counting, 1, software);
-        traced.work = sumWork(gpuRays.readCounters());
+        programs.counting = compileVariant(plan);
     }
+    Traced traced = traceBatches(rays, gpuRays, programs, options.repeat, context.device().software, stages);
+    traced.features = features;
     return traced;
 }
 
@@ -118,6 +141,7 @@ void traceRays(const TraceOptions& options) {
     stages.end();
     logInfo(fmt::format("{} rays, {} hits, {:.3f} ms, {:.1f} Mrays/s", rays.size(), traced.hitCount(),
                         traced.medianMs(), mraysPerSecond(rays.size(), traced.medianMs())));
+    logStages(stages);
     writeReport(options, file, context->device(), traced, stages);
 }
 

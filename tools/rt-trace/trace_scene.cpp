@@ -1,5 +1,6 @@
 #include "tools/rt-trace/trace_scene.h"
 
+#include "common/binary_io.h"
 #include "common/json_file.h"
 #include "common/log.h"
 #include "tools/rt-trace/render_image.h"
@@ -45,7 +46,7 @@ struct Rendered {
 };
 
 Rendered render(const TraceOptions& options, const Atlas& atlas, const CameraParams& camera,
-                const std::vector<Light>& lights, const GlContext& context, StageTimer& stages) {
+                const std::vector<AtlasLight>& lights, const GlContext& context, StageTimer& stages) {
     const std::string& name = options.scenePath;
     stages.begin("upload");
     const ResourcePlan plan = planResources(atlas, renderFeatures(atlas, options.maxDepth, lights.size()),
@@ -59,7 +60,7 @@ Rendered render(const TraceOptions& options, const Atlas& atlas, const CameraPar
     film.bind();
     stages.begin("compile");
     const GlProgram program = compileVariant(plan);
-    warmUpRender(program, view);
+    finishCompiling(program, view);
     stages.end();
     Rendered rendered;
     rendered.features = plan.features;
@@ -71,15 +72,19 @@ Rendered render(const TraceOptions& options, const Atlas& atlas, const CameraPar
     return rendered;
 }
 
-// Of a path that isImagePath() knows: .exr or .png in any case.
-bool isPng(const std::string& path) {
-    return path.back() == 'g' || path.back() == 'G';
-}
-
 // A PNG is for looking at: its viewers would hide the background where nothing was hit.
 Image withoutAlpha(Image image) {
     std::erase_if(image.channels, [](const ImageChannel& channel) { return channel.name == "A"; });
     return image;
+}
+
+// All are encoded before the first is written: a picture that cannot be encoded leaves no other one behind.
+void writeImages(const std::vector<std::string>& paths, const Image& image) {
+    std::vector<std::vector<std::byte>> files;
+    for (const std::string& path : paths)
+        files.push_back(
+            encodeImage(path, imageFileType(path) == ImageFileType::Png ? withoutAlpha(image) : image));
+    for (std::size_t i = 0; i < paths.size(); ++i) writeFile(paths[i], files[i]);
 }
 
 void warnOfNonFinite(const TraceOptions& options, const FilmPixels& pixels) {
@@ -129,11 +134,10 @@ void traceScene(const TraceOptions& options) {
                         std::nullopt};
     if (!options.reproducible) record.renderTimeSeconds = rendered.gpuMs * 1e-3;
     stages.begin("write");
-    const Image image = toImage(options.size, rendered.pixels, record);
-    for (const std::string& path : options.outputPaths)
-        writeImage(path, isPng(path) ? withoutAlpha(image) : image);
+    writeImages(options.outputPaths, toImage(options.size, rendered.pixels, record));
     stages.end();
     logFigures(options, rendered);
+    logStages(stages);
     writeReport(options, file, context->device(), pose, rendered, stages);
 }
 

@@ -26,9 +26,17 @@ GlTexture uploadPages(const Atlas& atlas, const GlLimits& limits, const std::str
     if (info.pageWidth > limits.textureSize2D || info.pageHeight > limits.textureSize2D ||
         info.pageCount > limits.arrayLayers)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} texture pages of {}x{}; this device allows {} of {}x{}", name,
-                                info.pageCount, info.pageWidth, info.pageHeight, limits.arrayLayers,
+                    fmt::format("{}: {} texture pages of {}x{}; this device allows {} of {}x{}; use smaller "
+                                "or fewer images or another --device",
+                                name, info.pageCount, info.pageWidth, info.pageHeight, limits.arrayLayers,
                                 limits.textureSize2D, limits.textureSize2D));
+    const std::uint64_t bytes = atlas.pages.size_bytes();
+    if (bytes > limits.resources.textureBytes)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: {} texture pages of {}x{} are {} bytes; this device allows {} bytes a "
+                                "texture; use smaller images or another --device",
+                                name, info.pageCount, info.pageWidth, info.pageHeight, bytes,
+                                limits.resources.textureBytes));
     const unsigned width = std::max(info.pageWidth, 1u);
     const unsigned height = std::max(info.pageHeight, 1u);
     GlTexture texture =
