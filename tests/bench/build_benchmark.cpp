@@ -43,6 +43,10 @@ void buildCloud(benchmark::State& state) {
     buildStructure(state, kStructureCloud, kCloudVoxelsPerTriangle);
 }
 
+void buildNested(benchmark::State& state) {
+    buildStructure(state, kStructureNested, kNestedVoxelsPerTriangle);
+}
+
 RTCScene newEmbreeScene(RTCDevice device, const Mesh& mesh) {
     RTCScene embreeScene = rtcNewScene(device);
     rtcSetSceneBuildQuality(embreeScene, RTC_BUILD_QUALITY_HIGH);
@@ -72,6 +76,7 @@ void buildEmbree(benchmark::State& state) {
 
 BENCHMARK(buildUniform)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(buildCloud)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(buildNested)->Unit(benchmark::kMillisecond)->UseRealTime();
 BENCHMARK(buildEmbree)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 } // namespace

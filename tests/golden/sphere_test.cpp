@@ -123,7 +123,7 @@ TEST_P(GoldenSphere, RenderAgreesWithTheFormula) {
     EXPECT_LE(squaredError, 8.0) << "pixels of the outline that differ";
 }
 
-INSTANTIATE_TEST_SUITE_P(Structures, GoldenSphere, testing::Values("uniform", "cloud"));
+INSTANTIATE_TEST_SUITE_P(Structures, GoldenSphere, testing::Values("uniform", "cloud", "nested"));
 
 } // namespace
 } // namespace rt

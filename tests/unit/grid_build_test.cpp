@@ -46,7 +46,7 @@ TEST(GridBuild, atlasesAreValidForBothStructuresAndManyMeshes) {
         test::makeTriangles({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 2, 3}, {0.5f, 1, 1.5f}});
     for (const Mesh& mesh : {test::makeCube(), test::makeSphere(3), test::makeRandomTriangles(500, 1),
                              test::makeTexturedSquare({{5, 9}, {30, 2}}), degenerate})
-        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud})
+        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud, kStructureNested})
             for (const glm::uvec3 dims : {glm::uvec3(1), glm::uvec3(13, 5, 8), glm::uvec3(1, 64, 3)})
                 EXPECT_NO_THROW(validate(build(mesh, optionsFor(structure, dims)), "atlas"));
 }
