@@ -74,10 +74,10 @@ void buildEmbree(benchmark::State& state) {
     countTriangles(state);
 }
 
-BENCHMARK(buildUniform)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(buildCloud)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(buildNested)->Unit(benchmark::kMillisecond)->UseRealTime();
-BENCHMARK(buildEmbree)->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(buildUniform)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+BENCHMARK(buildCloud)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+BENCHMARK(buildNested)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+BENCHMARK(buildEmbree)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 
 } // namespace
 } // namespace rt

@@ -3,7 +3,6 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <random>
 #include <utility>
@@ -142,16 +141,12 @@ Mesh makeSliversAndGiants(int count) {
 }
 
 Mesh makeFan(int count) {
-    std::vector<glm::vec3> positions{{0, 0, 0}};
-    std::vector<glm::uvec3> triangles;
-    for (int i = 0; i < count; ++i) {
-        const float angle = 6.2831853f * static_cast<float>(i) / static_cast<float>(count);
-        positions.emplace_back(std::cos(angle), std::sin(angle), 1.0f);
-        const auto rim = static_cast<std::uint32_t>(i);
-        triangles.emplace_back(0u, rim + 1u, (rim + 1u) % static_cast<std::uint32_t>(count) + 1u);
-    }
-    std::vector<glm::vec3> normals(positions.size(), glm::vec3(0.0f, 0.0f, 1.0f));
-    return withGreyMaterial(std::move(positions), std::move(normals), std::move(triangles));
+    std::mt19937_64 random(5);
+    const auto unit = [&] { return static_cast<float>(random() >> 40) * 0x1p-24f; };
+    const auto point = [&] { return glm::vec3(unit(), unit(), unit()); };
+    std::vector<glm::vec3> corners;
+    for (int i = 0; i < count; ++i) corners.insert(corners.end(), {glm::vec3(0.5f), point(), point()});
+    return makeTriangles(corners);
 }
 
 Mesh joined(const Mesh& a, const Mesh& b) {

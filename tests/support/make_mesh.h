@@ -33,7 +33,7 @@ Mesh makeRandomTriangles(std::size_t count, std::uint64_t seed, float size = 0.1
 /// `count` slivers across the unit cube, 1e-6 wide, and among them one large triangle for each 20.
 Mesh makeSliversAndGiants(int count);
 
-/// A cone of `count` triangles round the origin, a vertex of all of them; radius 1, height 1.
+/// `count` triangles in the unit cube that have its middle as a corner.
 Mesh makeFan(int count);
 
 /// The triangles of both, in the first one's grey.

@@ -9,13 +9,13 @@
 namespace rt {
 
 inline constexpr double kNestedVoxelsPerTriangle = 0.12; ///< of the grid that holds the bricks
-inline constexpr unsigned kDefaultLeafSize = 12;
+inline constexpr unsigned kDefaultLeafSize = 16;
 
 /// Where voxels become bricks of finer voxels.
 struct NestOptions {
     unsigned gridLeafSize = 2;            ///< triangles that a voxel of the grid may list
     unsigned leafSize = kDefaultLeafSize; ///< triangles that a voxel of a brick may list
-    double brickVoxelsPerTriangle = 8.0;  ///< about as many voxels has a brick
+    double brickVoxelsPerTriangle = 7.0;  ///< about as many voxels has a brick
     int maxDepth = 3;                     ///< bricks in bricks
 };
 

@@ -40,13 +40,6 @@ OccupancyBits::OccupancyBits(std::span<const std::uint32_t> words) : bytes_((wor
     });
 }
 
-std::uint64_t OccupancyWindow::rowsIn(int y0, int y1, int z0, int z1) const {
-    std::uint64_t bits = 0;
-    for (int z = z0; z <= z1; ++z)
-        for (int y = y0; y <= y1; ++y) bits |= row(y, z);
-    return bits;
-}
-
 void OccupancyWindow::show(const NestedOccupancy& occupancy, int level, const glm::ivec3& first, int side) {
     level_ = level;
     side_ = side;

@@ -55,7 +55,13 @@ public:
     /// Bit x of row (y, z): whether the voxel is occupied.
     std::uint64_t row(int y, int z) const { return rows_[index(y, z)]; }
     /// The rows of a block, all in one.
-    std::uint64_t rowsIn(int y0, int y1, int z0, int z1) const;
+    std::uint64_t rowsIn(int y0, int y1, int z0, int z1) const {
+        std::uint64_t bits = 0;
+        const std::uint64_t* line = &rows_[index(y0, z0)];
+        for (int z = z0; z <= z1; ++z, line += side_)
+            for (int y = 0; y <= y1 - y0; ++y) bits |= line[y];
+        return bits;
+    }
 
 private:
     struct Clip {
