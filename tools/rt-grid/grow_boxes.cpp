@@ -129,6 +129,7 @@ struct Region {
     glm::ivec3 size;
     std::ptrdiff_t rowStride;
     std::ptrdiff_t sliceStride;
+    bool inherits; // boxes of neighbours will do
 };
 
 // The best of the boxes of the three neighbours before the voxel, or a new one where those are poor: growing
@@ -147,9 +148,11 @@ std::uint32_t boxFor(const Region& region, const glm::ivec3& voxel, const std::u
         bestScore = score.goodness();
         bestZeros = score.zeros();
     };
-    consider(0, 1);
-    consider(1, region.rowStride);
-    consider(2, region.sliceStride);
+    if (region.inherits) {
+        consider(0, 1);
+        consider(1, region.rowStride);
+        consider(2, region.sliceStride);
+    }
     if (bestZeros <= kBlindSides) return best;
     const Box grown = BoxGrower(window, voxel + margin, std::min(margin, kLargestExtent)).grow();
     const std::uint32_t box = freeBoxWord(grown.below, grown.above);
@@ -174,7 +177,7 @@ void growGridTile(NestedVoxels& nested, const NestedOccupancy& occupancy, const 
     const std::ptrdiff_t rowStride = occupancy.dims.x;
     growRegion({nested.voxels.data() + occupancy.indexOf(first),
                 glm::min(glm::ivec3(kGridTile), occupancy.dims - first), rowStride,
-                rowStride * occupancy.dims.y},
+                rowStride * occupancy.dims.y, false},
                window, kMargin);
 }
 
@@ -183,7 +186,8 @@ void growBrick(NestedVoxels& nested, const NestedOccupancy& occupancy, const Bri
     const int margin = marginFor(side);
     OccupancyWindow window;
     window.show(occupancy, place.level, place.first - margin, side + 2 * margin);
-    growRegion({nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side}, window, margin);
+    growRegion({nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side, true}, window,
+               margin);
 }
 
 } // namespace

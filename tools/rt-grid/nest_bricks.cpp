@@ -14,6 +14,7 @@ namespace rt {
 namespace {
 
 constexpr std::size_t kVoxelsPerBlock = 64;
+constexpr std::size_t kAhead = 8; // triangles asked from memory before their turn
 constexpr double kLargestSpread =
     2.0; // voxels that a triangle meets on average where a brick parts triangles
 
@@ -109,7 +110,9 @@ private:
         cells_.clear();
         ids_.clear();
         std::uint32_t* const counts = block_.bricks.data() + place.offset;
-        for (const std::uint32_t id : list) {
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            if (i + kAhead < list.size()) __builtin_prefetch(&nesting_.triangles[list[i + kAhead]]);
+            const std::uint32_t id = list[i];
             VoxelTriangle t = voxelTriangle(nesting_.triangles[id], nesting_.layout);
             for (glm::dvec3& corner : t) corner = corner * scale - first;
             forEachVoxelOf(t, glm::uvec3(1u << place.shift), pad, [&](const glm::uvec3& at) {
