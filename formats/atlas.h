@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace rt {
 
@@ -13,12 +14,12 @@ namespace rt {
 struct AtlasInfo {
     double worldLo[3]; ///< bounds of the scene's triangles, world units
     double worldHi[3];
-    double padCells;        ///< triangles are listed in every voxel they come this near to, in voxels
-    std::uint64_t meshHash; ///< content hash of the .rtmesh it was built from
-    std::uint64_t occupiedVoxels;
-    std::uint64_t references;  ///< list entries in all voxels together
-    std::uint32_t maxDistance; ///< largest proximity value, voxels; 0 for uniform
-    std::uint32_t pageWidth;   ///< of a texture page, texels; 0 if there are no images
+    double padCells;              ///< triangles are listed in every voxel they come this near to, in voxels
+    std::uint64_t meshHash;       ///< content hash of the .rtmesh it was built from
+    std::uint64_t occupiedVoxels; ///< with a list of triangles; bricks' voxels included
+    std::uint64_t references;     ///< list entries in all voxels together
+    std::uint32_t maxDistance;    ///< largest proximity value, voxels; 0 but for cloud
+    std::uint32_t pageWidth;      ///< of a texture page, texels; 0 if there are no images
     std::uint32_t pageHeight;
     std::uint32_t pageCount;
 };
@@ -29,7 +30,9 @@ struct Atlas {
     AtlasInfo info{};
     GridParams grid{};
     SharedSpan<std::uint32_t> voxels;        ///< dims.x*dims.y*dims.z words, x fastest; see atlas.shared.h
-    SharedSpan<std::uint32_t> references;    ///< lists: count, then that many triangle indices, ascending
+    SharedSpan<std::uint32_t> bricks;        ///< nested only: words of finer voxels; see atlas.shared.h
+    SharedSpan<std::uint32_t> references;    ///< lists: count, then that many triangle indices, ascending;
+                                             ///< nested: with the exit box before the count
     SharedSpan<TriangleRecord> triangles;    ///< in the imported file's order
     SharedSpan<glm::uvec4> triangleVertices; ///< per triangle: three vertex indices, material
     SharedSpan<std::uint32_t> normals;       ///< per vertex, octEncode()d
@@ -42,6 +45,23 @@ struct Atlas {
 
     std::uint64_t voxelCount() const { return std::uint64_t(grid.dims.x) * grid.dims.y * grid.dims.z; }
 };
+
+/// A brick of a nested atlas and where it lies.
+struct BrickPlace {
+    std::uint32_t offset; ///< of its first word in Atlas::bricks
+    int shift;            ///< (2^shift)^3 voxels
+    int level;            ///< a voxel's side is 2^-level of that of a voxel of Atlas::voxels
+    int depth;            ///< 1 in a voxel of Atlas::voxels, 2 in a brick of depth 1, ...
+    glm::ivec3 first;     ///< its first voxel, counted in voxels of this size from the grid's corner
+
+    std::uint32_t words() const { return 1u << (3 * shift); }
+};
+
+/// All bricks, in the file's order: for each voxel of Atlas::voxels that holds a brick, that brick, then the
+/// bricks in it level by level, each level in the order of the words that lead there. Throws
+/// Error{InvalidContent}, message prefixed by `name`, unless the bricks of Atlas::bricks stand in this order
+/// without gaps and no level is finer than kMaxFinestSide allows: so each is reached once.
+std::vector<BrickPlace> bricksOf(const Atlas& atlas, const std::string& name);
 
 /// Throws Error{InvalidContent}, message prefixed by `name`, unless every count, index and number is in
 /// range.

@@ -18,9 +18,51 @@ RT_SHARED_CONST uint kStructureUniform = 0u; // 0
 RT_SHARED_CONST uint kStructureCloud =
     1u; // chessboard distance, in voxels, to the nearest occupied voxel (>= 1)
 RT_SHARED_CONST uint kStructureOctant = 2u; // reserved
-RT_SHARED_CONST uint kStructureNested = 3u; // reserved
+RT_SHARED_CONST uint kStructureNested = 3u; // extents of an empty box; crowded voxels hold bricks, see below
 
-RT_SHARED_CONST uint kOccupiedBit = 0x80000000u; // the other 31 bits: offset of the voxel's list in REFS
+RT_SHARED_CONST uint kOccupiedBit =
+    0x80000000u; // uniform, cloud: the other 31 bits are the offset of the voxel's list in REFS
+
+// Nested. A word of VOXL, or of a brick in BRIK, is one of
+//     empty  00 hi.z lo.z hi.y lo.y hi.x lo.x   six numbers of 5 bits, lo.x lowest: how many voxels beyond
+//                                               this one, and of its size, are free of triangles on that side
+//     leaf   10 offset:30                       its list in REFS: exit box, count, triangles
+//     brick  11 k:3 offset:27                   (2^k)^3 words in BRIK from word 8 * offset on, x fastest
+// from bit 31 down. A box may cross the borders of bricks and of VOXL's voxels, and may leave the grid. The
+// exit box of a list is a word like an empty voxel's: a ray that has tested the list may leave that box.
+RT_SHARED_CONST uint kBrickTag = 0xC0000000u;  // words from this one on are bricks
+RT_SHARED_CONST uint kMaxBrickShift = 5u;      // k
+RT_SHARED_CONST uint kMaxFinestSide = 131072u; // voxels of the finest size along any side of the grid
+RT_SHARED_CONST uint kListHeaderWords = 2u;    // exit box and count, before a nested list's triangles
+
+RT_SHARED_FN bool isBrick(uint word) {
+    return word >= kBrickTag;
+}
+RT_SHARED_FN uint leafWord(uint listOffset) {
+    return kOccupiedBit | listOffset;
+}
+RT_SHARED_FN uint leafList(uint word) {
+    return word & 0x3FFFFFFFu;
+}
+RT_SHARED_FN uint brickWord(uint offset, int shift) {
+    return kBrickTag | (uint(shift) << 27u) | (offset >> 3u);
+}
+RT_SHARED_FN uint brickOffset(uint word) {
+    return (word & 0x07FFFFFFu) << 3u;
+}
+RT_SHARED_FN int brickShift(uint word) {
+    return int((word >> 27u) & 7u);
+}
+RT_SHARED_FN ivec3 freeBelow(uint word) {
+    return ivec3(int(word & 31u), int((word >> 10u) & 31u), int((word >> 20u) & 31u));
+}
+RT_SHARED_FN ivec3 freeAbove(uint word) {
+    return freeBelow(word >> 5u);
+}
+RT_SHARED_FN uint freeBoxWord(ivec3 below, ivec3 above) {
+    return uint(below.x) | (uint(above.x) << 5u) | (uint(below.y) << 10u) | (uint(above.y) << 15u) |
+           (uint(below.z) << 20u) | (uint(above.z) << 25u);
+}
 
 struct GridParams {
     vec4 gridLo;       // xyz corner of voxel (0,0,0), atlas space; w = 0

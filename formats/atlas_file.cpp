@@ -18,6 +18,7 @@ constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 1, 0
 constexpr std::uint32_t kInfo = sectionId("INFO");
 constexpr std::uint32_t kGrid = sectionId("GRID");
 constexpr std::uint32_t kVoxels = sectionId("VOXL");
+constexpr std::uint32_t kBricks = sectionId("BRIK");
 constexpr std::uint32_t kReferences = sectionId("REFS");
 constexpr std::uint32_t kTriangles = sectionId("TRIS");
 constexpr std::uint32_t kTriangleVertices = sectionId("TVTX");
@@ -55,10 +56,17 @@ bool isPowerOfTwo(float x) {
     return std::isfinite(x) && x > 0.0f && std::frexp(x, &exponent) == 0.5f;
 }
 
+// Six extents of 5 bits; the tag of an empty voxel.
+bool isFreeBox(std::uint32_t word) {
+    return word >> 30 == 0;
+}
+
 void validateGrid(const Atlas& atlas, const Validator& check) {
     const GridParams& grid = atlas.grid;
-    check.require(grid.dims.w == kStructureUniform || grid.dims.w == kStructureCloud,
+    check.require(grid.dims.w == kStructureUniform || grid.dims.w == kStructureCloud ||
+                      grid.dims.w == kStructureNested,
                   "unknown structure kind");
+    check.require(atlas.bricks.empty() || grid.dims.w == kStructureNested, "has bricks but is not nested");
     for (int axis = 0; axis < 3; ++axis) {
         check.require(grid.dims[axis] >= 1 && grid.dims[axis] <= (1u << 16), "grid dimensions out of range");
         check.require(grid.cellSize[axis] > 0.0f && std::isfinite(grid.cellSize[axis]),
@@ -79,28 +87,42 @@ void validateGrid(const Atlas& atlas, const Validator& check) {
 // Lists stand one after the other in REFS. Returns which words begin one.
 std::vector<bool> listStarts(const Atlas& atlas, const Validator& check) {
     const auto& refs = atlas.references;
+    const bool nested = atlas.grid.dims.w == kStructureNested;
+    const std::uint64_t header = nested ? kListHeaderWords : 1; // the count is its last word
     std::vector<bool> starts(refs.size());
     for (std::uint64_t offset = 0; offset < refs.size();) {
-        const std::uint64_t count = refs[offset];
-        check.require(count <= refs.size() - offset - 1, "a triangle list overruns its section");
-        for (std::uint64_t i = 1; i <= count; ++i)
-            check.require(refs[offset + i] < atlas.triangles.size(),
+        check.require(refs.size() - offset >= header, "a triangle list overruns its section");
+        check.require(!nested || isFreeBox(refs[offset]), "a triangle list has an invalid exit box");
+        const std::uint64_t first = offset + header;
+        const std::uint64_t count = refs[first - 1];
+        check.require(count <= refs.size() - first, "a triangle list overruns its section");
+        for (std::uint64_t i = first; i < first + count; ++i)
+            check.require(refs[i] < atlas.triangles.size(),
                           "a triangle list names a triangle that does not exist");
         starts[offset] = true;
-        offset += count + 1;
+        offset = first + count;
     }
     return starts;
 }
 
-// After this no voxel leads a shader out of VOXL, REFS or TRIS, and no leap is longer than the grid.
-void validateVoxels(const Atlas& atlas, const Validator& check) {
+// After this no voxel leads a shader out of VOXL, BRIK, REFS or TRIS, and no leap is longer than the grid.
+void validateVoxels(const Atlas& atlas, const Validator& check, const std::string& name) {
     const std::vector<bool> starts = listStarts(atlas, check);
+    const auto startsList = [&](std::uint64_t offset) { return offset < starts.size() && starts[offset]; };
+    if (atlas.grid.dims.w == kStructureNested) {
+        bricksOf(atlas, name);
+        const auto holds = [&](std::uint32_t word) {
+            return isBrick(word) || (word & kOccupiedBit ? startsList(leafList(word)) : isFreeBox(word));
+        };
+        check.requireEach(atlas.voxels, "voxel", holds);
+        check.requireEach(atlas.bricks, "brick word", holds);
+        return;
+    }
     const bool cloud = atlas.grid.dims.w == kStructureCloud;
     const std::uint32_t largest = glm::max(atlas.grid.dims.x, glm::max(atlas.grid.dims.y, atlas.grid.dims.z));
     check.requireEach(atlas.voxels, "voxel", [&](std::uint32_t word) {
         if (!(word & kOccupiedBit)) return cloud ? word >= 1 && word <= largest : word == 0;
-        const std::uint64_t offset = word & ~kOccupiedBit;
-        return offset < starts.size() && starts[offset];
+        return startsList(word & ~kOccupiedBit);
     });
 }
 
@@ -151,7 +173,7 @@ void validate(const Atlas& atlas, const std::string& name) {
                   "counts in GRID differ from the sections' sizes");
     check.require(!atlas.triangles.empty() && !atlas.materials.empty(), "has no triangles or no materials");
     validateGrid(atlas, check);
-    validateVoxels(atlas, check);
+    validateVoxels(atlas, check, name);
     validateShading(atlas, check);
 }
 
@@ -160,6 +182,7 @@ void writeAtlas(const std::string& path, const Atlas& atlas) {
     writer.add<AtlasInfo>(kInfo, std::span(&atlas.info, 1));
     writer.add<GridParams>(kGrid, std::span(&atlas.grid, 1));
     writer.add<std::uint32_t>(kVoxels, atlas.voxels);
+    if (!atlas.bricks.empty()) writer.add<std::uint32_t>(kBricks, atlas.bricks);
     writer.add<std::uint32_t>(kReferences, atlas.references);
     writer.add<TriangleRecord>(kTriangles, atlas.triangles);
     writer.add<glm::uvec4>(kTriangleVertices, atlas.triangleVertices);
@@ -180,6 +203,7 @@ AtlasFile readAtlas(const std::string& path) {
     atlas.info = file.get<AtlasInfo>(kInfo, 1)[0];
     atlas.grid = file.get<GridParams>(kGrid, 1)[0];
     atlas.voxels = file.get<std::uint32_t>(kVoxels);
+    atlas.bricks = file.get<std::uint32_t>(kBricks);
     atlas.references = file.get<std::uint32_t>(kReferences);
     atlas.triangles = file.get<TriangleRecord>(kTriangles);
     atlas.triangleVertices = file.get<glm::uvec4>(kTriangleVertices);

@@ -10,11 +10,6 @@
 
 layout(local_size_x = RT_GROUP_X, local_size_y = 1) in;
 
-// 2^exponent, exactly.
-float powerOfTwo(int exponent) {
-    return uintBitsToFloat(uint(clamp(exponent, -126, 127) + 127) << 23);
-}
-
 // False for directions without a way to go: zero or not finite, and for origins that are not finite.
 bool isTraceable(vec3 origin, vec3 direction) {
     vec3 size = abs(direction);
@@ -44,7 +39,7 @@ void main() {
         // World to atlas space, and the direction to about unit size; both by powers of two, so nothing is rounded but
         // the origin's offset. World t = atlas t * tScale.
         int exponent = scaleExponent(directionTmax.xyz);
-        float directionScale = powerOfTwo(-exponent);
+        float directionScale = powerOfTwo(clamp(-exponent, -126, 127));
         float tScale = directionScale / grid.worldOffset.w;
         vec3 origin = (originTmin.xyz - grid.worldOffset.xyz) * grid.worldOffset.w;
         Ray ray = Ray(origin, directionTmax.xyz * directionScale, max(originTmin.w, 0.0f) / tScale, directionTmax.w / tScale);

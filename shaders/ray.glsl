@@ -20,6 +20,11 @@ struct WorkCounters {
     uint tests; // triangles
 };
 
+// 2^exponent, exactly; -126 <= exponent <= 127.
+float powerOfTwo(int exponent) {
+    return uintBitsToFloat(uint(exponent + 127) << 23);
+}
+
 // gamma_n = n e / (1 - n e), e = 2^-24: relative error bound of n roundings (Higham 2002).
 float gammaBound(float n) {
     const float e = 5.9604645e-8f;

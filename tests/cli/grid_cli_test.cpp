@@ -54,6 +54,20 @@ TEST_F(GridCli, buildsAnAtlasAndSaysWhatItBuilt) {
     EXPECT_EQ(file.atlas.info.meshHash, readMesh(mesh()).contentHash);
 }
 
+TEST_F(GridCli, nestedVoxelsAreReported) {
+    const CommandResult result = grid({mesh(), "-o", atlas(), "--structure", "nested", "--density", "0.05",
+                                       "--leaf-size", "5", "--json", "-"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("rt-grid: nested 4x4x4 = 64 voxels"));
+    EXPECT_THAT(result.err, HasSubstr("bytes per triangle"));
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    const Atlas built = readAtlas(atlas()).atlas;
+    EXPECT_EQ(built.grid.dims.w, kStructureNested);
+    EXPECT_EQ(json["bricks"], bricksOf(built, "atlas").size());
+    EXPECT_EQ(json["brickWords"], built.bricks.size());
+    EXPECT_TRUE(json["stagesMs"].contains("nest") && json["stagesMs"].contains("boxes"));
+}
+
 TEST_F(GridCli, reportsItsFiguresAsJson) {
     const CommandResult result = grid({mesh(), "-o", atlas(), "--structure", "uniform", "-q", "--json", "-"});
     EXPECT_EQ(result.exitCode, 0) << result.err;

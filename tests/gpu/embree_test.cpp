@@ -233,7 +233,7 @@ TEST_P(EmbreeAgreement, NearestAndAnyHits) {
     EXPECT_LE(wrongCount, kLostRaysAllowed);
 }
 
-INSTANTIATE_TEST_SUITE_P(Structures, EmbreeAgreement, testing::Values("uniform", "cloud"));
+INSTANTIATE_TEST_SUITE_P(Structures, EmbreeAgreement, testing::Values("uniform", "cloud", "nested"));
 
 } // namespace
 } // namespace rt

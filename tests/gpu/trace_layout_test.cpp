@@ -103,6 +103,38 @@ TEST_F(SharedLayout, ReflectedOffsetsAndSizesAreThoseOfCpp) {
     }
 }
 
+TEST_F(SharedLayout, WordsOfNestedVoxelsAreTheSameInGlslAndCpp) {
+    constexpr std::size_t kCount = 4096;
+    std::mt19937 random(5);
+    std::vector<glm::uvec4> words(kCount);
+    for (glm::uvec4& word : words) word = glm::uvec4(random(), 0u, 0u, 0u);
+    const GlProgram program = compileComputeProgram(compose(
+        std::string(kIncludes) +
+        "layout(std430, binding = 0) readonly buffer In { uvec4 words[]; };\n"
+        "layout(std430, binding = 1) writeonly buffer Out { uvec4 results[]; };\n"
+        "void main() {\n    uint i = gl_GlobalInvocationID.x;\n    uint w = words[i].x;\n"
+        "    results[3u * i] = uvec4(uvec3(freeBelow(w)), freeBoxWord(freeBelow(w), freeAbove(w)));\n"
+        "    results[3u * i + 1u] = uvec4(uvec3(freeAbove(w)), leafWord(leafList(w)));\n"
+        "    results[3u * i + 2u] = uvec4(isBrick(w) ? 1u : 0u, brickOffset(w), uint(brickShift(w)),\n"
+        "                                 brickWord(brickOffset(w), brickShift(w)));\n}\n"));
+    const GlBuffer in = createBuffer(std::as_bytes(std::span(words)));
+    const GlBuffer out = createOutputBuffer(3 * kCount * sizeof(glm::uvec4));
+    glUseProgram(program.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, in.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, out.name());
+    glDispatchCompute(kCount / 64, 1, 1);
+    std::vector<glm::uvec4> results(3 * kCount);
+    readBuffer(out, std::as_writable_bytes(std::span(results)));
+    for (std::size_t i = 0; i < kCount; ++i) {
+        const std::uint32_t w = words[i].x;
+        ASSERT_EQ(results[3 * i], glm::uvec4(glm::uvec3(freeBelow(w)), w & 0x3FFFFFFFu));
+        ASSERT_EQ(freeBoxWord(freeBelow(w), freeAbove(w)), w & 0x3FFFFFFFu);
+        ASSERT_EQ(results[3 * i + 1], glm::uvec4(glm::uvec3(freeAbove(w)), leafWord(leafList(w))));
+        ASSERT_EQ(results[3 * i + 2], glm::uvec4(isBrick(w), brickOffset(w), brickShift(w), w | kBrickTag));
+        ASSERT_EQ(brickWord(brickOffset(w), brickShift(w)), w | kBrickTag);
+    }
+}
+
 std::vector<glm::vec4> unitVectors() {
     std::vector<glm::vec4> vectors;
     for (int x = -2; x <= 2; ++x)

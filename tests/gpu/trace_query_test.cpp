@@ -139,7 +139,7 @@ std::vector<QueryRay> alignedRays() {
 class RayQuery : public test::OnGpu {
 protected:
     void expectAgreement(const Mesh& mesh, const std::vector<QueryRay>& rays, glm::uvec3 dims) {
-        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud}) {
+        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud, kStructureNested}) {
             const Atlas atlas = test::makeAtlas(mesh, structure, dims);
             const auto hits = test::traceQuery(*context, atlas, rays);
             const auto anyHits = test::traceQuery(*context, atlas, rays, {.anyHit = true, .limits = {}});
@@ -171,6 +171,32 @@ TEST_F(RayQuery, EqualsBruteForceInAGridOfOneVoxelAndInAFlatOne) {
     const Mesh mesh = test::makeRandomTriangles(50, 6, 0.3f);
     expectAgreement(mesh, randomRays(mesh, 2000), {1, 1, 1});
     expectAgreement(mesh, randomRays(mesh, 2000), {32, 1, 3});
+}
+
+TEST_F(RayQuery, EqualsBruteForceAmongSliversAndGiants) {
+    expectAgreement(test::makeSliversAndGiants(200), randomRays(test::makeSliversAndGiants(200), 6000),
+                    {7, 5, 6});
+}
+
+TEST_F(RayQuery, EqualsBruteForceForASmallDenseSphereInAHugeSquare) {
+    // The stadium: thousands of triangles in one voxel of the grid.
+    const Mesh mesh = test::joined(test::moved(test::makeSphere(4), 0.002f, {0.31f, 0.52f, 0.001f}),
+                                   test::makeTexturedSquare({}));
+    std::vector<QueryRay> rays = randomRays(mesh, 1000);
+    for (const QueryRay& near : randomRays(test::makeSphere(1), 5000))
+        rays.push_back(ray(glm::vec3(near.originTmin) * 0.003f + glm::vec3(0.31f, 0.52f, 0.001f),
+                           glm::vec3(near.directionTmax)));
+    expectAgreement(mesh, rays, {9, 9, 1});
+}
+
+TEST_F(RayQuery, EqualsBruteForceForOneTriangle) {
+    const Mesh mesh = test::makeTriangles({{0.1f, 0.2f, 0.3f}, {0.9f, 0.4f, 0.1f}, {0.5f, 0.8f, 0.7f}});
+    expectAgreement(mesh, randomRays(mesh, 2000), {3, 3, 3});
+}
+
+TEST_F(RayQuery, EqualsBruteForceForAFanOf64TrianglesRoundOneVertex) {
+    const Mesh mesh = test::makeFan(64);
+    expectAgreement(mesh, randomRays(mesh, 4000), {2, 3, 2});
 }
 
 TEST_F(RayQuery, EqualsBruteForceForRaysAlongAxesAndFaces) {
@@ -230,6 +256,16 @@ TEST_F(RayQuery, PagesSlabsAndBatchesDoNotChangeAHit) {
     tiny.textureSize3D = 12;                                  // slabs of 8
     EXPECT_TRUE(sameBytes(whole, test::traceQuery(*context, atlas, rays, {.limits = tiny})));
     EXPECT_TRUE(sameBytes(whole, test::traceQuery(*context, atlas, rays, {.limits = {}, .maxBatch = 777})));
+}
+
+TEST_F(RayQuery, PagesOfBricksDoNotChangeAHit) {
+    const Mesh mesh = test::makeRandomTriangles(300, 8, 0.1f);
+    const Atlas atlas = test::makeAtlas(mesh, kStructureNested, {3, 4, 5});
+    const std::vector<QueryRay> rays = randomRays(mesh, 5000);
+    ResourceLimits tiny = limits().resources;
+    tiny.storageBlockBytes = atlas.bricks.size_bytes() / 3;
+    EXPECT_TRUE(sameBytes(test::traceQuery(*context, atlas, rays),
+                          test::traceQuery(*context, atlas, rays, {.limits = tiny})));
 }
 
 TEST_F(RayQuery, NoRaysGiveNoHits) {

@@ -194,6 +194,16 @@ TEST_F(Rendering, CountsWorkWithoutChangingThePicture) {
     EXPECT_GT(totals.steps, totals.rays / 2);
 }
 
+TEST_F(Rendering, EveryStructureShowsTheSamePicture) {
+    const Mesh mesh = test::joined(test::makeSphere(3), test::makeRandomTriangles(300, 4, 0.4f));
+    const Atlas uniform = test::makeAtlas(mesh, kStructureUniform, {12, 12, 12});
+    const FilmPixels expected = render(uniform, featuresOf(uniform)).pixels;
+    const Atlas cloud = test::makeAtlas(mesh, kStructureCloud, {12, 12, 12});
+    EXPECT_EQ(largestDifference(expected, render(cloud, featuresOf(cloud)).pixels), 0.0f);
+    const Atlas nested = test::makeAtlas(mesh, kStructureNested, {12, 12, 12});
+    EXPECT_EQ(largestDifference(expected, render(nested, featuresOf(nested)).pixels), 0.0f);
+}
+
 TEST_F(Rendering, WorkIsSummedIn64Bits) {
     const std::vector<glm::uvec4> counters(3, glm::uvec4(0xFFFFFFFFu, 0x80000000u, 1u, 0u));
     const WorkTotals totals = sumWork(counters);

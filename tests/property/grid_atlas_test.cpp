@@ -16,26 +16,12 @@ struct Case {
     Mesh mesh;
 };
 
-Mesh sliversAndGiants() {
-    std::mt19937_64 random(3);
-    const auto unit = [&] { return static_cast<float>(random() >> 40) * 0x1p-24f; };
-    const auto point = [&](float size) { return glm::vec3(unit(), unit(), unit()) * size; };
-    std::vector<glm::vec3> corners;
-    for (int i = 0; i < 300; ++i) {
-        const glm::vec3 a = point(1.0f);
-        const glm::vec3 b = point(1.0f);
-        corners.insert(corners.end(), {a, b, a + (b - a) * unit() + point(1e-6f)}); // sliver
-        if (i % 20 == 0) corners.insert(corners.end(), {point(1.0f), point(1.0f), point(1.0f)});
-    }
-    return test::makeTriangles(corners);
-}
-
 std::vector<Case> cases() {
     return {{"sphere", test::makeSphere(4)},
             {"far sphere", test::moved(test::makeSphere(4), 1.0f, glm::vec3(148376, 1234, -223423))},
             {"small triangles", test::makeRandomTriangles(4000, 1, 0.02f)},
             {"large triangles", test::makeRandomTriangles(300, 2, 0.5f)},
-            {"slivers and giants", sliversAndGiants()},
+            {"slivers and giants", test::makeSliversAndGiants(300)},
             {"box", test::makeBox(glm::vec3(-1.0f, 2.0f, 0.0f), glm::vec3(3.0f, 2.5f, 1.0f))},
             {"flat", test::makeTexturedSquare({})}};
 }

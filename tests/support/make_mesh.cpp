@@ -126,6 +126,40 @@ Mesh makeRandomTriangles(std::size_t count, std::uint64_t seed, float size) {
     return makeTriangles(corners);
 }
 
+Mesh makeSliversAndGiants(int count) {
+    std::mt19937_64 random(3);
+    const auto unit = [&] { return static_cast<float>(random() >> 40) * 0x1p-24f; };
+    const auto point = [&](float size) { return glm::vec3(unit(), unit(), unit()) * size; };
+    std::vector<glm::vec3> corners;
+    for (int i = 0; i < count; ++i) {
+        const glm::vec3 a = point(1.0f);
+        const glm::vec3 b = point(1.0f);
+        corners.insert(corners.end(), {a, b, a + (b - a) * unit() + point(1e-6f)}); // sliver
+        if (i % 20 == 0) corners.insert(corners.end(), {point(1.0f), point(1.0f), point(1.0f)});
+    }
+    return makeTriangles(corners);
+}
+
+Mesh makeFan(int count) {
+    std::mt19937_64 random(5);
+    const auto unit = [&] { return static_cast<float>(random() >> 40) * 0x1p-24f; };
+    const auto point = [&] { return glm::vec3(unit(), unit(), unit()); };
+    std::vector<glm::vec3> corners;
+    for (int i = 0; i < count; ++i) corners.insert(corners.end(), {glm::vec3(0.5f), point(), point()});
+    return makeTriangles(corners);
+}
+
+Mesh joined(const Mesh& a, const Mesh& b) {
+    std::vector<glm::vec3> positions(a.positions.begin(), a.positions.end());
+    std::vector<glm::vec3> normals(a.normals.begin(), a.normals.end());
+    std::vector<glm::uvec3> triangles(a.triangles.begin(), a.triangles.end());
+    for (const glm::uvec3& t : b.triangles)
+        triangles.push_back(t + static_cast<std::uint32_t>(positions.size()));
+    positions.insert(positions.end(), b.positions.begin(), b.positions.end());
+    normals.insert(normals.end(), b.normals.begin(), b.normals.end());
+    return withGreyMaterial(std::move(positions), std::move(normals), std::move(triangles));
+}
+
 Mesh makeTexturedSquare(const std::vector<glm::uvec2>& imageSizes) {
     Mesh mesh =
         withGreyMaterial({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},

@@ -30,6 +30,15 @@ Mesh makeCube();
 /// Same seed, same mesh.
 Mesh makeRandomTriangles(std::size_t count, std::uint64_t seed, float size = 0.1f);
 
+/// `count` slivers across the unit cube, 1e-6 wide, and among them one large triangle for each 20.
+Mesh makeSliversAndGiants(int count);
+
+/// `count` triangles in the unit cube that have its middle as a corner.
+Mesh makeFan(int count);
+
+/// The triangles of both, in the first one's grey.
+Mesh joined(const Mesh& a, const Mesh& b);
+
 /// A unit square in the plane z = 0 with texture coordinates over the whole image, and the given images
 /// (width, height each), of which it shows the first. Pixel i of the whole array is 0xFF000000 + i.
 Mesh makeTexturedSquare(const std::vector<glm::uvec2>& imageSizes);

@@ -62,6 +62,21 @@ Atlas smallAtlas() {
     return atlas;
 }
 
+// One voxel holds a brick of 2^3 voxels, of which one lists both triangles and one holds a brick that lists
+// one.
+Atlas smallNestedAtlas() {
+    Atlas atlas = smallAtlas();
+    atlas.grid.dims.w = kStructureNested;
+    atlas.voxels = std::vector<std::uint32_t>{brickWord(0, 1), freeBoxWord({0, 31, 31}, {31, 31, 31})};
+    std::vector<std::uint32_t> bricks(16, freeBoxWord({0, 0, 0}, {0, 0, 0}));
+    bricks[3] = brickWord(8, 1);
+    bricks[5] = leafWord(0);
+    bricks[8] = leafWord(4);
+    atlas.bricks = std::move(bricks);
+    atlas.references = std::vector<std::uint32_t>{0, 2, 0, 1, freeBoxWord({1, 2, 3}, {4, 5, 6}), 1, 1};
+    return atlas;
+}
+
 template <class T>
 std::string bytes(const SharedSpan<T>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
@@ -153,6 +168,7 @@ TEST(AtlasFile, ComesBackAsItWasWritten) {
     EXPECT_EQ(std::memcmp(&back.info, &atlas.info, sizeof(AtlasInfo)), 0);
     EXPECT_EQ(bytes(back.voxels), bytes(atlas.voxels));
     EXPECT_EQ(bytes(back.references), bytes(atlas.references));
+    EXPECT_TRUE(back.bricks.empty());
     EXPECT_EQ(bytes(back.triangles), bytes(atlas.triangles));
     EXPECT_EQ(bytes(back.triangleVertices), bytes(atlas.triangleVertices));
     EXPECT_EQ(bytes(back.normals), bytes(atlas.normals));
@@ -163,11 +179,81 @@ TEST(AtlasFile, ComesBackAsItWasWritten) {
     EXPECT_EQ(bytes(back.pages), bytes(atlas.pages));
 }
 
+TEST(AtlasFile, BricksComeBackAsTheyWereWritten) {
+    const test::TemporaryFolder folder;
+    const Atlas atlas = smallNestedAtlas();
+    writeAtlas(folder.file("a.rtatlas"), atlas);
+    const Atlas back = readAtlas(folder.file("a.rtatlas")).atlas;
+    EXPECT_EQ(bytes(back.voxels), bytes(atlas.voxels));
+    EXPECT_EQ(bytes(back.bricks), bytes(atlas.bricks));
+    EXPECT_EQ(bytes(back.references), bytes(atlas.references));
+    const std::vector<BrickPlace> places = bricksOf(back, "a");
+    ASSERT_EQ(places.size(), 2u);
+    EXPECT_EQ(places[1].offset, 8u);
+    EXPECT_EQ(places[1].level, 2);
+    EXPECT_EQ(places[1].depth, 2);
+    EXPECT_EQ(places[1].first, glm::ivec3(2, 2, 0));
+}
+
 TEST(AtlasFile, EveryDamageIsRefused) {
     const test::TemporaryFolder folder;
     const std::string path = folder.file("a.rtatlas");
     writeAtlas(path, smallAtlas());
     expectEveryDamageIsRefused(path, [&] { readAtlas(path); });
+    writeAtlas(path, smallNestedAtlas());
+    expectEveryDamageIsRefused(path, [&] { readAtlas(path); });
+}
+
+TEST(AtlasFile, InvalidBricksWithRightChecksumsAreRefused) {
+    const test::TemporaryFolder folder;
+    const std::string path = folder.file("a.rtatlas");
+    const auto refused = [&](const std::function<void(Atlas&, std::vector<std::uint32_t>&)>& spoil) {
+        Atlas atlas = smallNestedAtlas();
+        std::vector<std::uint32_t> bricks(atlas.bricks.begin(), atlas.bricks.end());
+        spoil(atlas, bricks);
+        atlas.bricks = std::move(bricks);
+        writeAtlas(path, atlas);
+        return failureOf([&] { readAtlas(path); }) == ErrorKind::InvalidContent;
+    };
+    using Words = std::vector<std::uint32_t>;
+    EXPECT_FALSE(refused([](Atlas&, Words&) {}));
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[3] = brickWord(0, 1); })) << "a brick in itself";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[4] = brickWord(8, 1); })) << "a brick in two voxels";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[3] = 0; })) << "a brick in no voxel";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[3] = brickWord(8, 2); })) << "a brick overruns its section";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b.resize(12); })) << "a brick is cut off";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b.resize(24); })) << "words behind the last brick";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[3] = brickWord(8, 0); })) << "a brick of one voxel";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[3] = brickWord(8, 6); })) << "a brick too large";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[0] = 0x40000000u; })) << "no such tag";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[5] = leafWord(1); })) << "leaf into the middle of a list";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[5] = leafWord(7); })) << "leaf beyond the lists";
+    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.voxels = Words{brickWord(0, 1), leafWord(9)}; })) << "voxel";
+    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.voxels = Words{brickWord(8, 1), 0}; })) << "first brick";
+    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 0, 2, 1}; }))
+        << "list overruns";
+    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 0, 1, 2}; }))
+        << "no triangle";
+    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 1u << 31, 1, 1}; }))
+        << "exit box";
+    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 0, 1, 1, 0}; }))
+        << "half a header";
+    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.grid.dims.w = kStructureCloud; })) << "bricks in a cloud";
+}
+
+TEST(AtlasFile, VoxelsFinerThanTheLimitAreRefused) {
+    Atlas atlas = smallNestedAtlas();
+    std::vector<std::uint32_t> bricks(4 * 32768, 0u); // 2 * 2^20 voxels a side
+    for (std::uint32_t i = 0; i < 3; ++i) bricks[i * 32768] = brickWord((i + 1) * 32768, 5);
+    bricks.resize(3 * 32768);
+    bricks[2 * 32768] = 0;
+    atlas.voxels = std::vector<std::uint32_t>{brickWord(0, 5), 0};
+    atlas.bricks = std::vector<std::uint32_t>(bricks);
+    EXPECT_NO_THROW(validate(atlas, "a"));
+    bricks[2 * 32768] = brickWord(3 * 32768, 5);
+    bricks.resize(4 * 32768);
+    atlas.bricks = std::move(bricks);
+    EXPECT_THROW(validate(atlas, "a"), Error);
 }
 
 TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {

@@ -50,7 +50,7 @@ TEST(GridBuild, atlasesAreValidForBothStructuresAndManyMeshes) {
         test::makeTriangles({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 2, 3}, {0.5f, 1, 1.5f}});
     for (const Mesh& mesh : {test::makeCube(), test::makeSphere(3), test::makeRandomTriangles(500, 1),
                              test::makeTexturedSquare({{5, 9}, {30, 2}}), degenerate})
-        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud})
+        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud, kStructureNested})
             for (const glm::uvec3 dims : {glm::uvec3(1), glm::uvec3(13, 5, 8), glm::uvec3(1, 64, 3)})
                 EXPECT_NO_THROW(validate(build(mesh, optionsFor(structure, dims)), "atlas"));
 }
@@ -110,18 +110,21 @@ TEST(GridBuild, bytesDoNotDependOnTheNumberOfThreads) {
     const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
                                       4); // on small machines too
     const Mesh mesh = test::makeRandomTriangles(60000, 9, 0.08f);
-    const BuildOptions options = optionsFor(kStructureCloud, glm::uvec3(64, 63, 65));
     tbb::task_arena one(1);
-    const Atlas a = one.execute([&] { return build(mesh, options); });
-    for (const int threads : {2, 4}) {
-        tbb::task_arena several(threads);
-        const Atlas b = several.execute([&] { return build(mesh, options); });
-        EXPECT_EQ(std::memcmp(&a.info, &b.info, sizeof a.info), 0);
-        EXPECT_EQ(std::memcmp(&a.grid, &b.grid, sizeof a.grid), 0);
-        EXPECT_TRUE(sameBytes(a.voxels, b.voxels));
-        EXPECT_TRUE(sameBytes(a.references, b.references));
-        EXPECT_TRUE(sameBytes(a.triangles, b.triangles));
-        EXPECT_EQ(vdbBytes(a), vdbBytes(b));
+    for (const BuildOptions& options : {optionsFor(kStructureCloud, glm::uvec3(64, 63, 65)),
+                                        optionsFor(kStructureNested, glm::uvec3(9, 10, 11))}) {
+        const Atlas a = one.execute([&] { return build(mesh, options); });
+        for (const int threads : {2, 4}) {
+            tbb::task_arena several(threads);
+            const Atlas b = several.execute([&] { return build(mesh, options); });
+            EXPECT_EQ(std::memcmp(&a.info, &b.info, sizeof a.info), 0);
+            EXPECT_EQ(std::memcmp(&a.grid, &b.grid, sizeof a.grid), 0);
+            EXPECT_TRUE(sameBytes(a.voxels, b.voxels));
+            EXPECT_TRUE(sameBytes(a.bricks, b.bricks));
+            EXPECT_TRUE(sameBytes(a.references, b.references));
+            EXPECT_TRUE(sameBytes(a.triangles, b.triangles));
+            EXPECT_EQ(vdbBytes(a), vdbBytes(b));
+        }
     }
 }
 
@@ -172,6 +175,15 @@ TEST(GridLimits, listsStopGrowingAtTheLimit) {
     BuildOptions options = optionsFor(kStructureCloud, glm::uvec3(64));
     options.memory = {(1u << 20) + 2000u * (68u + 12u + 480u), "--max-memory"};
     EXPECT_THAT(messageOf(mesh, options), testing::HasSubstr("triangle references"));
+    options.memory = defaultMemoryLimit();
+    EXPECT_NO_THROW(build(mesh, options));
+}
+
+TEST(GridLimits, bricksStopGrowingAtTheLimit) {
+    const Mesh mesh = test::makeRandomTriangles(2000, 4, 0.5f);
+    BuildOptions options = optionsFor(kStructureNested, glm::uvec3(4));
+    options.memory = {2000u * (68u + 12u * 60u), "--max-memory"}; // 4^3 voxels take no more than 20 of the 60
+    EXPECT_THAT(messageOf(mesh, options), testing::HasSubstr("brick words"));
     options.memory = defaultMemoryLimit();
     EXPECT_NO_THROW(build(mesh, options));
 }

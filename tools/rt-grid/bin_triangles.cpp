@@ -150,13 +150,6 @@ void fillLists(const std::vector<ChunkVoxels>& chunks, CellRefs& refs) {
 
 } // namespace
 
-VoxelTriangle voxelTriangle(const TriangleRecord& triangle, const GridLayout& layout) {
-    const glm::dvec3 lo(layout.gridLo);
-    const glm::dvec3 cellSize(layout.cellSize);
-    return {(glm::dvec3(triangle.v0) - lo) / cellSize, (glm::dvec3(triangle.v1) - lo) / cellSize,
-            (glm::dvec3(triangle.v2) - lo) / cellSize};
-}
-
 CellRefs binTriangles(std::span<const TriangleRecord> triangles, const GridLayout& layout,
                       const ReferenceLimit& limit) {
     const std::vector<ChunkVoxels> chunks = voxelizeAll(triangles, layout, limit);

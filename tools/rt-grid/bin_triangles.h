@@ -21,7 +21,12 @@ struct CellRefs {
 };
 
 /// A triangle's corners in voxels of the layout; computed in double from the layout's floats.
-VoxelTriangle voxelTriangle(const TriangleRecord& triangle, const GridLayout& layout);
+inline VoxelTriangle voxelTriangle(const TriangleRecord& triangle, const GridLayout& layout) {
+    const glm::dvec3 lo(layout.gridLo);
+    const glm::dvec3 voxelsPerUnit = 1.0 / glm::dvec3(layout.cellSize);
+    return {(glm::dvec3(triangle.v0) - lo) * voxelsPerUnit, (glm::dvec3(triangle.v1) - lo) * voxelsPerUnit,
+            (glm::dvec3(triangle.v2) - lo) * voxelsPerUnit};
+}
 
 /// Lists every triangle in each voxel whose cube, grown by layout.padCells on every side, it meets; see
 /// forEachVoxelOf(). The result does not depend on the number of threads. Memory: see limits.h.

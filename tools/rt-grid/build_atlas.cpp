@@ -1,5 +1,6 @@
 #include "tools/rt-grid/build_atlas.h"
 
+#include "tools/rt-grid/grow_boxes.h"
 #include "tools/rt-grid/grow_proximity.h"
 #include "tools/rt-grid/pack_atlas.h"
 
@@ -17,6 +18,24 @@ ReferenceLimit checkLimits(const Mesh& mesh, const std::string& name, const Grid
     return checkLimits(name, size, options.memory);
 }
 
+VoxelWords flatVoxels(CellRefs refs, const BuildOptions& options, const glm::uvec3& dims, StageTimer& timer) {
+    if (options.structure == kStructureCloud) {
+        timer.begin("proximity");
+        refs.voxels = growProximity(std::move(refs.voxels), dims);
+    }
+    return {std::move(refs.voxels), {}, std::move(refs.references), refs.occupiedVoxels, refs.referenceCount};
+}
+
+VoxelWords nestedVoxels(CellRefs refs, const GridStages& stages, const NestOptions& options,
+                        const ReferenceLimit& limit, StageTimer& timer) {
+    timer.begin("nest");
+    NestedVoxels nested = nestBricks(std::move(refs), stages.triangles, stages.layout, options, limit);
+    timer.begin("boxes");
+    growBoxes(nested, stages.layout.dims);
+    return {std::move(nested.voxels), nested.bricks.share(), nested.references.share(), nested.occupiedVoxels,
+            nested.referenceCount};
+}
+
 } // namespace
 
 Atlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildOptions& options,
@@ -32,11 +51,10 @@ Atlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildO
     if (showsImages(mesh)) stages.pages = placeImages(mesh.images, name);
     const ReferenceLimit limit = checkLimits(mesh, name, stages, options);
     timer.begin("bin");
-    stages.refs = binTriangles(stages.triangles, stages.layout, limit);
-    if (options.structure == kStructureCloud) {
-        timer.begin("proximity");
-        stages.refs.voxels = growProximity(std::move(stages.refs.voxels), dims);
-    }
+    CellRefs refs = binTriangles(stages.triangles, stages.layout, limit);
+    stages.words = options.structure == kStructureNested
+                       ? nestedVoxels(std::move(refs), stages, options.nest, limit, timer)
+                       : flatVoxels(std::move(refs), options, dims, timer);
     timer.begin("pack");
     Atlas atlas = packAtlas(meshFile, options.structure, std::move(stages));
     timer.end();

@@ -4,6 +4,7 @@
 #include "formats/mesh_file.h"
 #include "tools/rt-grid/choose_resolution.h"
 #include "tools/rt-grid/limits.h"
+#include "tools/rt-grid/nest_bricks.h"
 
 #include <string>
 
@@ -12,6 +13,7 @@ namespace rt {
 struct BuildOptions {
     std::uint32_t structure = kStructureCloud;
     ResolutionRequest resolution;
+    NestOptions nest; ///< for kStructureNested
     MemoryLimit memory = defaultMemoryLimit();
     bool vdb = false; ///< memory for a VDB file counts too
 };

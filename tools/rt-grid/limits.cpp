@@ -67,11 +67,13 @@ ReferenceLimit checkLimits(const std::string& name, const BuildSize& size, const
                                 inMebibytes(least), remedy));
     const std::uint64_t inMemory = (limit.bytes - fixed) / kBytesPerReference;
     if (inMemory < kMaxReferenceWords / 2)
-        return {inMemory, fmt::format("{} needs {} and more than {} triangle references of {} bytes; {}",
-                                      request, inMebibytes(fixed), inMemory, kBytesPerReference, remedy)};
+        return {
+            inMemory,
+            fmt::format("{} needs {} and more than {} triangle references and brick words of {} bytes; {}",
+                        request, inMebibytes(fixed), inMemory, kBytesPerReference, remedy)};
     return {kMaxReferenceWords / 2,
             fmt::format(
-                "{} has more than {} triangle references, the most that list offsets of 31 bits can reach; "
+                "{} has more than {} triangle references and brick words, the most that offsets can reach; "
                 "lower --resolution or --density",
                 request, kMaxReferenceWords / 2)};
 }

@@ -7,6 +7,8 @@
 #include <openvdb/version.h>
 #include <tbb/version.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -20,6 +22,16 @@ struct RawOptions {
     double density = 0.0;
     std::string maxMemory;
 };
+
+struct StructureChoice {
+    const char* name;
+    std::uint32_t kind;
+    double voxelsPerTriangle; // where neither --density nor --resolution says otherwise
+};
+constexpr std::array<StructureChoice, 3> kStructures{
+    {{"uniform", kStructureUniform, kUniformVoxelsPerTriangle},
+     {"cloud", kStructureCloud, kCloudVoxelsPerTriangle},
+     {"nested", kStructureNested, kNestedVoxelsPerTriangle}}};
 
 const char* const kDescription = "Builds the acceleration structure of a .rtmesh and writes it, with all "
                                  "that rendering needs, as a .rtatlas.\n"
@@ -36,26 +48,35 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
     app.add_option("-o,--output", options.atlasPath, "Output; - for standard output")
         ->required()
         ->type_name("scene.rtatlas");
-    app.add_option(
-           "--structure", raw.structure,
-           "cloud (default): empty voxels know how far rays may leap; uniform: plain grid, for comparisons "
-           "and for builds in a hurry")
-        ->check(CLI::IsMember({"uniform", "cloud"}))
-        ->type_name("uniform|cloud");
+    app.add_option("--structure", raw.structure,
+                   "cloud (default): empty voxels know how far rays may leap; nested: crowded voxels hold "
+                   "finer ones, "
+                   "for triangles of very different density; uniform: plain grid, for comparisons")
+        ->check(CLI::IsMember({"uniform", "cloud", "nested"}))
+        ->type_name("uniform|cloud|nested");
     auto* resolution =
         app.add_option("--resolution", raw.resolution,
                        fmt::format("N voxels along the longest side and cubic voxels (at least 1 on every "
                                    "axis), or exactly X by Y by Z; up to {} on an axis, 2^29 in all",
                                    kMaxRequestedSide))
             ->type_name("N|XxYxZ");
-    app.add_option("--density", raw.density,
-                   fmt::format("Voxels per triangle, when there is no --resolution; about {} per triangle "
-                               "for uniform, {} for "
-                               "cloud if not given; up to {} on an axis",
-                               kUniformVoxelsPerTriangle, kCloudVoxelsPerTriangle, kMaxAutomaticSide))
+    app.add_option(
+           "--density", raw.density,
+           fmt::format("Voxels per triangle, when there is no --resolution; about {} per triangle "
+                       "for uniform, {} for "
+                       "cloud and {} for nested, bricks not counted, if not given; up to {} on an axis",
+                       kUniformVoxelsPerTriangle, kCloudVoxelsPerTriangle, kNestedVoxelsPerTriangle,
+                       kMaxAutomaticSide))
         ->check(CLI::Range(1e-6, 1e9))
         ->excludes(resolution)
         ->type_name("D");
+    app.add_option(
+           "--leaf-size", options.build.nest.leafSize,
+           "nested only: triangles that a voxel of a brick may list before it becomes a brick itself. Lower "
+           "it for fewer triangle tests and more memory")
+        ->check(CLI::Range(1, 1000000))
+        ->type_name("N")
+        ->capture_default_str();
     app.add_option(
            "--max-memory", raw.maxMemory,
            fmt::format(
@@ -70,11 +91,11 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
 
 void readRaw(const RawOptions& raw, GridOptions& options) {
     BuildOptions& build = options.build;
-    const bool uniform = raw.structure == "uniform";
-    build.structure = uniform ? kStructureUniform : kStructureCloud;
-    build.resolution.voxelsPerTriangle = raw.density > 0.0 ? raw.density
-                                         : uniform         ? kUniformVoxelsPerTriangle
-                                                           : kCloudVoxelsPerTriangle;
+    const StructureChoice& choice =
+        *std::find_if(kStructures.begin(), kStructures.end(),
+                      [&](const StructureChoice& s) { return raw.structure == s.name; });
+    build.structure = choice.kind;
+    build.resolution.voxelsPerTriangle = raw.density > 0.0 ? raw.density : choice.voxelsPerTriangle;
     if (!raw.resolution.empty()) parseResolution(raw.resolution, build.resolution);
     if (!raw.maxMemory.empty()) build.memory = {parseByteSize(raw.maxMemory, "--max-memory"), "--max-memory"};
     build.vdb = !options.vdbPath.empty();

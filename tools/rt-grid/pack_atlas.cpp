@@ -43,7 +43,7 @@ std::uint32_t largestDistance(const std::vector<std::uint32_t>& voxels) {
                                 [](std::uint32_t a, std::uint32_t b) { return std::max(a, b); });
 }
 
-AtlasInfo makeInfo(const MeshFile& meshFile, const GridStages& stages) {
+AtlasInfo makeInfo(const MeshFile& meshFile, std::uint32_t structure, const GridStages& stages) {
     const Bounds world = boundsOf(meshFile.mesh);
     AtlasInfo info{};
     for (int axis = 0; axis < 3; ++axis) {
@@ -52,9 +52,9 @@ AtlasInfo makeInfo(const MeshFile& meshFile, const GridStages& stages) {
     }
     info.padCells = stages.layout.padCells;
     info.meshHash = meshFile.contentHash;
-    info.occupiedVoxels = stages.refs.occupiedVoxels;
-    info.references = stages.refs.referenceCount;
-    info.maxDistance = largestDistance(stages.refs.voxels);
+    info.occupiedVoxels = stages.words.occupiedVoxels;
+    info.references = stages.words.referenceCount;
+    info.maxDistance = structure == kStructureCloud ? largestDistance(stages.words.voxels) : 0u;
     info.pageWidth = stages.pages.width;
     info.pageHeight = stages.pages.height;
     info.pageCount = stages.pages.pageCount;
@@ -85,10 +85,11 @@ Atlas packAtlas(const MeshFile& meshFile, std::uint32_t structure, GridStages st
     const Mesh& mesh = meshFile.mesh;
     const bool textured = showsImages(mesh);
     Atlas atlas;
-    atlas.info = makeInfo(meshFile, stages);
+    atlas.info = makeInfo(meshFile, structure, stages);
     atlas.grid = makeGrid(mesh, structure, stages);
-    atlas.voxels = std::move(stages.refs.voxels);
-    atlas.references = std::move(stages.refs.references);
+    atlas.voxels = std::move(stages.words.voxels);
+    atlas.bricks = std::move(stages.words.bricks);
+    atlas.references = std::move(stages.words.references);
     atlas.triangles = std::move(stages.triangles);
     atlas.triangleVertices = verticesOfTriangles(mesh);
     atlas.normals = encodedNormals(mesh);

@@ -1,19 +1,27 @@
 #pragma once
 #include "formats/atlas.h"
 #include "formats/mesh_file.h"
-#include "tools/rt-grid/bin_triangles.h"
 #include "tools/rt-grid/pack_textures.h"
 #include "tools/rt-grid/place_grid.h"
 #include "tools/rt-grid/rebase_scene.h"
 
 namespace rt {
 
+/// The words of an atlas, as atlas.shared.h describes them for its structure.
+struct VoxelWords {
+    std::vector<std::uint32_t> voxels;
+    SharedSpan<std::uint32_t> bricks; ///< none but for kStructureNested
+    SharedSpan<std::uint32_t> references;
+    std::uint64_t occupiedVoxels = 0;
+    std::uint64_t referenceCount = 0;
+};
+
 /// What the stages before packing made of a mesh.
 struct GridStages {
     Rebase rebase;
     std::vector<TriangleRecord> triangles;
     GridLayout layout;
-    CellRefs refs; ///< with distances in empty voxels for a cloud
+    VoxelWords words;
     PageLayout pages;
 };
 
@@ -21,7 +29,7 @@ struct GridStages {
 /// atlas.
 bool showsImages(const Mesh& mesh);
 
-/// Puts an atlas together. `structure` is kStructureUniform or kStructureCloud. What needs no conversion is
+/// Puts an atlas together. What needs no conversion is
 /// shared with the mesh, not copied.
 Atlas packAtlas(const MeshFile& meshFile, std::uint32_t structure, GridStages stages);
 

@@ -51,6 +51,10 @@ BoundsD gridBounds(std::span<const TriangleRecord> triangles) {
     return bounds;
 }
 
+double padCellsFor(const glm::uvec3& dims, int level) {
+    return std::max(0x1p-8, std::ldexp(std::max({dims.x, dims.y, dims.z}), level - 20));
+}
+
 GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims) {
     GridLayout layout;
     layout.dims = dims;
@@ -60,7 +64,7 @@ GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims) {
         layout.gridLo[axis] = roundedDown(bounds.lo[axis] - kMarginCells * double(layout.cellSize[axis]));
         layout.cellsPerUnit[axis] = 1.0f / layout.cellSize[axis];
     }
-    layout.padCells = std::max(0x1p-8, 0x1p-20 * std::max({dims.x, dims.y, dims.z}));
+    layout.padCells = padCellsFor(dims, 0);
     return layout;
 }
 

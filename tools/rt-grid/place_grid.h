@@ -19,11 +19,13 @@ struct GridLayout {
 /// that a flat scene has a volume.
 BoundsD gridBounds(std::span<const TriangleRecord> triangles);
 
+/// The pad of voxels 2^level times smaller than those of a grid of `dims`, in such voxels: 2^-8, or 2^-20 of
+/// the longest side in such voxels, whichever is more. A ray walked in floats from its entry into the grid is
+/// off by up to 2^-22 (|o| + |t d|) / cellSize voxels, about 2^-21 of the side.
+double padCellsFor(const glm::uvec3& dims, int level);
+
 /// Returns a grid of `dims` voxels in which `bounds` lies at least 1/64 voxel away from every face.
-///
-/// The pad is 2^-8 voxel, or 2^-20 of the longest side in voxels, whichever is more: a ray walked in floats
-/// from its entry into the grid is off by up to 2^-22 (|o| + |t d|) / cellSize voxels, about 2^-21 of the
-/// side.
+/// Its pad is padCellsFor(dims, 0).
 GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims);
 
 } // namespace rt

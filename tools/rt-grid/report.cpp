@@ -3,13 +3,53 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace rt {
 namespace {
 
 const char* structureName(const Atlas& atlas) {
-    return atlas.grid.dims.w == kStructureCloud ? "cloud" : "uniform";
+    switch (atlas.grid.dims.w) {
+    case kStructureUniform:
+        return "uniform";
+    case kStructureCloud:
+        return "cloud";
+    default:
+        return "nested";
+    }
+}
+
+// Bytes of all that every scene has: the voxels, and the triangles with their vertices' normals.
+double bytesPerTriangle(const Atlas& atlas) {
+    const std::size_t bytes = atlas.voxels.size_bytes() + atlas.bricks.size_bytes() +
+                              atlas.references.size_bytes() + atlas.triangles.size_bytes() +
+                              atlas.triangleVertices.size_bytes() + atlas.normals.size_bytes();
+    return static_cast<double>(bytes) / static_cast<double>(atlas.triangles.size());
+}
+
+struct BrickCounts {
+    std::size_t bricks = 0;
+    int depth = 0;
+    int finestLevel = 0; // the smallest voxels are 2^-finestLevel of the grid's
+};
+
+BrickCounts countBricks(const Atlas& atlas) {
+    BrickCounts counts;
+    for (const BrickPlace& brick : bricksOf(atlas, "atlas")) {
+        ++counts.bricks;
+        counts.depth = std::max(counts.depth, brick.depth);
+        counts.finestLevel = std::max(counts.finestLevel, brick.level);
+    }
+    return counts;
+}
+
+std::string detailOf(const Atlas& atlas) {
+    if (atlas.grid.dims.w != kStructureNested)
+        return fmt::format("largest distance {}", atlas.info.maxDistance);
+    const BrickCounts counts = countBricks(atlas);
+    return fmt::format("{} bricks up to {} deep, smallest voxel 1/{}", counts.bricks, counts.depth,
+                       1 << counts.finestLevel);
 }
 
 double referencesPerTriangle(const Atlas& atlas) {
@@ -17,7 +57,7 @@ double referencesPerTriangle(const Atlas& atlas) {
 }
 
 std::uint64_t structureBytes(const Atlas& atlas) {
-    return atlas.voxels.size_bytes() + atlas.references.size_bytes();
+    return atlas.voxels.size_bytes() + atlas.bricks.size_bytes() + atlas.references.size_bytes();
 }
 
 // Nothing for standard output and devices.
@@ -36,7 +76,7 @@ std::uint64_t forecastMemoryBytes(const GridReport& report) {
     size.vertices = atlas.normals.size();
     size.texels = atlas.pages.size();
     size.vdb = report.options.build.vdb;
-    return forecastBytes(size) + atlas.info.references * kBytesPerReference;
+    return forecastBytes(size) + (atlas.info.references + atlas.bricks.size()) * kBytesPerReference;
 }
 
 } // namespace
@@ -52,11 +92,11 @@ std::string summaryOf(const GridReport& report) {
     const Atlas& atlas = report.atlas;
     const glm::uvec4& dims = atlas.grid.dims;
     return fmt::format(
-        "{} {}x{}x{} = {} voxels, {} occupied, {:.2f} references per triangle, largest distance {}, "
-        "{:.1f} MB of voxels and lists for {} triangles, {:.0f} ms",
+        "{} {}x{}x{} = {} voxels, {} occupied, {:.2f} references per triangle, {}, {:.1f} MB of "
+        "voxels and lists for {} triangles, {:.1f} bytes per triangle in all, {:.0f} ms",
         structureName(atlas), dims.x, dims.y, dims.z, atlas.voxelCount(), atlas.info.occupiedVoxels,
-        referencesPerTriangle(atlas), atlas.info.maxDistance,
-        static_cast<double>(structureBytes(atlas)) * 1e-6, atlas.triangles.size(), buildMs(report.timer));
+        referencesPerTriangle(atlas), detailOf(atlas), static_cast<double>(structureBytes(atlas)) * 1e-6,
+        atlas.triangles.size(), bytesPerTriangle(atlas), buildMs(report.timer));
 }
 
 nlohmann::json jsonOf(const GridReport& report) {
@@ -81,6 +121,14 @@ nlohmann::json jsonOf(const GridReport& report) {
     json["lights"] = atlas.lights.size();
     json["images"] = atlas.images.size();
     json["texturePages"] = {atlas.info.pageWidth, atlas.info.pageHeight, atlas.info.pageCount};
+    if (atlas.grid.dims.w == kStructureNested) {
+        const BrickCounts counts = countBricks(atlas);
+        json["bricks"] = counts.bricks;
+        json["brickWords"] = atlas.bricks.size();
+        json["brickDepth"] = counts.depth;
+        json["finestLevel"] = counts.finestLevel;
+    }
+    json["bytesPerTriangle"] = bytesPerTriangle(atlas);
     json["structureBytes"] = structureBytes(atlas);
     json["fileBytes"] = fileBytes(report.options.atlasPath);
     json["meshHash"] = fmt::format("{:016x}", atlas.info.meshHash);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
+#include <utility>
 
 namespace rt {
 
@@ -12,58 +13,91 @@ using VoxelTriangle = std::array<glm::dvec3, 3>;
 
 namespace voxelize {
 
-/// Whole numbers lo to hi, both included; none if lo > hi.
+/// Indices from lo to hi, both included and not yet rounded to whole ones; none if lo > hi.
 struct Range {
     double lo;
     double hi;
+
+    /// The first whole number; lo >= 0 and lo <= 2^30.
+    int first() const {
+        const auto whole = static_cast<int>(lo);
+        return whole + (whole < lo);
+    }
+    /// The last whole number; hi >= -1 and hi <= 2^30.
+    int last() const {
+        const auto whole = static_cast<int>(hi);
+        return whole - (whole > hi);
+    }
 };
 
-/// One separating axis as a condition on a voxel's index: the triangle's and the padded voxel's shadows on
-/// the axis overlap if and only if lo <= dot(normal, index) <= hi. Any normal is sound, so a rounded one
-/// loses nothing.
-class Axis {
+/// The condition lo <= slope * index + others <= hi, solved for the index. Any condition that the padded
+/// voxels of a triangle meet is sound, so rounded slopes lose nothing.
+class Slope {
 public:
-    Axis(const VoxelTriangle& triangle, const glm::dvec3& normal, double pad) : normal_(normal) {
-        const double d0 = glm::dot(normal, triangle[0]);
-        const double d1 = glm::dot(normal, triangle[1]);
-        const double d2 = glm::dot(normal, triangle[2]);
-        const double middle = 0.5 * (normal.x + normal.y + normal.z);
-        const double radius = (0.5 + pad) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
-        lo_ = std::min({d0, d1, d2}) - middle - radius;
-        hi_ = std::max({d0, d1, d2}) - middle + radius;
+    Slope(double slope, double lo, double hi) : inverse_(slope == 0.0 ? 0.0 : 1.0 / slope), lo_(lo), hi_(hi) {
+        if (slope < 0.0) std::swap(lo_, hi_);
     }
-    /// Keeps the part of `range`, indices along `axis`, that meets the condition; `others` is the share of
-    /// dot(normal, index) that the other axes have.
-    void narrow(Range& range, int axis, double others) const {
-        const double slope = normal_[axis];
-        if (slope == 0.0) {
-            if (others < lo_ || others > hi_) range.hi = range.lo - 1.0;
+    /// Keeps the part of `range` that meets the condition.
+    void narrow(Range& range, double others) const {
+        if (inverse_ == 0.0) {
+            if (others < lo_ || others > hi_) range.hi = -1.0;
             return;
         }
-        const double a = (lo_ - others) / slope;
-        const double b = (hi_ - others) / slope;
-        range.lo = std::max(range.lo, std::ceil(std::min(a, b)));
-        range.hi = std::min(range.hi, std::floor(std::max(a, b)));
+        range.lo = std::max(range.lo, (lo_ - others) * inverse_);
+        range.hi = std::min(range.hi, (hi_ - others) * inverse_);
     }
-    const glm::dvec3& normal() const { return normal_; }
 
 private:
-    glm::dvec3 normal_;
-    double lo_;
-    double hi_;
+    double inverse_;
+    double lo_, hi_; // exchanged where the slope is negative
 };
 
-/// The three axes across edges and one coordinate axis: the 2D test of the triangle's and the voxel's
-/// projections.
-inline std::array<Axis, 3> axesAcrossEdges(const VoxelTriangle& t, int u, int v, double pad) {
-    const auto across = [&](const glm::dvec3& from, const glm::dvec3& to) {
-        glm::dvec3 normal(0.0);
-        normal[u] = to[v] - from[v];
-        normal[v] = from[u] - to[u];
-        return Axis(t, normal, pad);
-    };
-    return {across(t[0], t[1]), across(t[1], t[2]), across(t[2], t[0])};
-}
+/// A separating axis as a condition on a voxel's index: the triangle's and the padded voxel's shadows on the
+/// axis overlap if and only if lo <= dot(normal, index) <= hi.
+struct Shadow {
+    double lo;
+    double hi;
+
+    Shadow(double a, double b, double middle, double radius)
+        : lo(std::min(a, b) - middle - radius), hi(std::max(a, b) - middle + radius) {}
+};
+
+/// The axis across an edge and one coordinate axis: one of the 2D test of the triangle's and the voxel's
+/// projections to the plane of the axes u and v.
+struct EdgeAxis {
+    double normalU;
+    double normalV;
+    Shadow shadow;
+
+    EdgeAxis(const VoxelTriangle& t, int edge, int u, int v, double pad)
+        : EdgeAxis(t[static_cast<std::size_t>(edge)], t[static_cast<std::size_t>((edge + 1) % 3)],
+                   t[static_cast<std::size_t>((edge + 2) % 3)], u, v, pad) {}
+    Slope alongU() const { return {normalU, shadow.lo, shadow.hi}; }
+    Slope alongV() const { return {normalV, shadow.lo, shadow.hi}; }
+
+private:
+    EdgeAxis(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& opposite, int u, int v,
+             double pad)
+        : normalU(to[v] - from[v]), normalV(from[u] - to[u]),
+          shadow(normalU * from[u] + normalV * from[v], normalU * opposite[u] + normalV * opposite[v],
+                 0.5 * (normalU + normalV), (0.5 + pad) * (std::abs(normalU) + std::abs(normalV))) {}
+};
+
+/// The three edges' conditions on (u, v): solved for u, with what v adds to each.
+class EdgeSlopes {
+public:
+    EdgeSlopes(const VoxelTriangle& t, int u, int v, double pad)
+        : EdgeSlopes(EdgeAxis(t, 0, u, v, pad), EdgeAxis(t, 1, u, v, pad), EdgeAxis(t, 2, u, v, pad)) {}
+    void narrow(Range& range, double atV) const {
+        for (std::size_t i = 0; i < 3; ++i) slopes_[i].narrow(range, normalV_[i] * atV);
+    }
+
+private:
+    EdgeSlopes(const EdgeAxis& a, const EdgeAxis& b, const EdgeAxis& c)
+        : slopes_{a.alongU(), b.alongU(), c.alongU()}, normalV_{a.normalV, b.normalV, c.normalV} {}
+    std::array<Slope, 3> slopes_;
+    std::array<double, 3> normalV_;
+};
 
 /// Indices along `axis` of the voxels, in an endless grid, whose padded extent meets the triangle's.
 inline Range indexRange(const VoxelTriangle& t, int axis, double pad) {
@@ -77,7 +111,7 @@ inline int longestComponent(const glm::dvec3& v) {
 }
 
 template <class Visit>
-void visitIndex(int u, int v, int w, double atU, double atV, double atW, Visit&& visit) {
+void visitIndex(int u, int v, int w, int atU, int atV, int atW, Visit&& visit) {
     glm::uvec3 index;
     index[u] = static_cast<unsigned>(atU);
     index[v] = static_cast<unsigned>(atV);
@@ -85,31 +119,54 @@ void visitIndex(int u, int v, int w, double atU, double atV, double atW, Visit&&
     visit(index);
 }
 
-/// The part of forEachVoxelOf() for triangles that are not inside one row of voxels. Each of the 13
-/// conditions is linear in the index, so they are solved for one axis after the other instead of being tried
-/// voxel by voxel: rows along v, columns (u, v) of a row, voxels along w, the axis that the triangle faces,
-/// of a column.
+/// The part of forEachVoxelOf() for triangles that one layer of voxels across `w` holds: in it the
+/// projections along w decide.
+template <class Visit>
+void visitLayer(const VoxelTriangle& t, const std::array<Range, 3>& box, int w, double pad, Visit&& visit) {
+    const int u = (w + 1) % 3;
+    const int v = (w + 2) % 3;
+    const EdgeSlopes edges(t, u, v, pad);
+    for (int atV = box[v].first(), lastV = box[v].last(); atV <= lastV; ++atV) {
+        Range columns = box[u];
+        edges.narrow(columns, atV);
+        if (columns.lo > columns.hi) continue;
+        for (int atU = columns.first(), lastU = columns.last(); atU <= lastU; ++atU)
+            visitIndex(u, v, w, atU, atV, box[w].first(), visit);
+    }
+}
+
+/// The part of forEachVoxelOf() for triangles that no layer of voxels holds. Each of the 13 conditions is
+/// linear in the index, so they are solved for one axis after the other instead of being tried voxel by
+/// voxel: rows along v, columns (u, v) of a row, voxels along w, the axis that the triangle faces, of a
+/// column.
 template <class Visit>
 void visitOverlaps(const VoxelTriangle& t, const std::array<Range, 3>& box, double pad, Visit&& visit) {
     const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
     const int w = longestComponent(normal);
     const int u = (w + 1) % 3;
     const int v = (w + 2) % 3;
-    const Axis plane(t, normal, pad);
-    const std::array<Axis, 3> uv = axesAcrossEdges(t, u, v, pad);
-    const std::array<Axis, 3> vw = axesAcrossEdges(t, v, w, pad);
-    const std::array<Axis, 3> uw = axesAcrossEdges(t, u, w, pad);
-    for (double atV = box[v].lo; atV <= box[v].hi; ++atV) {
+    const double d0 = glm::dot(normal, t[0]); // all three: a sliver's normal is mostly rounding
+    const double d1 = glm::dot(normal, t[1]);
+    const double d2 = glm::dot(normal, t[2]);
+    const Shadow plane(std::min({d0, d1, d2}), std::max({d0, d1, d2}), 0.5 * (normal.x + normal.y + normal.z),
+                       (0.5 + pad) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)));
+    const Slope planeAlongW(normal[w], plane.lo, plane.hi);
+    const EdgeSlopes uv(t, u, v, pad);
+    const EdgeSlopes wv(t, w, v, pad);
+    const EdgeSlopes wu(t, w, u, pad);
+    for (int atV = box[v].first(), lastV = box[v].last(); atV <= lastV; ++atV) {
         Range columns = box[u];
-        for (const Axis& axis : uv) axis.narrow(columns, u, axis.normal()[v] * atV);
+        uv.narrow(columns, atV);
         Range rowDepths = box[w];
-        for (const Axis& axis : vw) axis.narrow(rowDepths, w, axis.normal()[v] * atV);
-        if (rowDepths.lo > rowDepths.hi) continue;
-        for (double atU = columns.lo; atU <= columns.hi; ++atU) {
+        wv.narrow(rowDepths, atV);
+        if (rowDepths.lo > rowDepths.hi || columns.lo > columns.hi) continue;
+        for (int atU = columns.first(), lastU = columns.last(); atU <= lastU; ++atU) {
             Range depths = rowDepths;
-            plane.narrow(depths, w, normal[u] * atU + normal[v] * atV);
-            for (const Axis& axis : uw) axis.narrow(depths, w, axis.normal()[u] * atU);
-            for (double atW = depths.lo; atW <= depths.hi; ++atW) visitIndex(u, v, w, atU, atV, atW, visit);
+            planeAlongW.narrow(depths, normal[u] * atU + normal[v] * atV);
+            wu.narrow(depths, atU);
+            if (depths.lo > depths.hi) continue;
+            for (int atW = depths.first(), lastW = depths.last(); atW <= lastW; ++atW)
+                visitIndex(u, v, w, atU, atV, atW, visit);
         }
     }
 }
@@ -126,17 +183,20 @@ void forEachVoxelOf(const VoxelTriangle& triangle, const glm::uvec3& dims, doubl
     using namespace voxelize;
     std::array<Range, 3> box;
     int longAxes = 0;
+    int shortAxis = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const Range whole = indexRange(triangle, axis, pad);
-        longAxes += whole.lo < whole.hi;
+        const bool isLong = whole.lo < whole.hi;
+        longAxes += isLong;
+        if (!isLong) shortAxis = axis;
         box[axis] = {std::max(whole.lo, 0.0), std::min(whole.hi, dims[axis] - 1.0)};
         if (box[axis].lo > box[axis].hi) return;
     }
-    if (longAxes > 1) return visitOverlaps(triangle, box, pad, visit);
-    for (double z = box[2].lo; z <= box[2].hi;
-         ++z) // a triangle inside one row meets every voxel between its ends
-        for (double y = box[1].lo; y <= box[1].hi; ++y)
-            for (double x = box[0].lo; x <= box[0].hi; ++x) visitIndex(0, 1, 2, x, y, z, visit);
+    if (longAxes == 3) return visitOverlaps(triangle, box, pad, visit);
+    if (longAxes == 2) return visitLayer(triangle, box, shortAxis, pad, visit);
+    for (int z = box[2].first(); z <= box[2].last(); ++z) // inside one row: every voxel between its ends
+        for (int y = box[1].first(); y <= box[1].last(); ++y)
+            for (int x = box[0].first(); x <= box[0].last(); ++x) visitIndex(0, 1, 2, x, y, z, visit);
 }
 
 } // namespace rt

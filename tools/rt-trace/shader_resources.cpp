@@ -22,6 +22,8 @@ std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& fe
         arrayOf("references", "uint", "loadReference", atlas.references),
         arrayOf("triangles", "TriangleRecord", "loadTriangle", atlas.triangles),
     };
+    if (features.structure == kStructureNested)
+        arrays.push_back(arrayOf("bricks", "uint", "loadBrick", atlas.bricks));
     if (kind == ShaderKind::Query) return arrays;
     arrays.push_back(arrayOf("triangleVertices", "uvec4", "loadTriangleVertices", atlas.triangleVertices));
     arrays.push_back(arrayOf("normals", "uint", "loadNormal", atlas.normals));

@@ -1,0 +1,10 @@
+#pragma once
+#include "tools/rt-grid/nest_bricks.h"
+
+namespace rt {
+
+/// Replaces the 0 of each empty voxel, of the grid and of the bricks, by the word of an empty box round it:
+/// see atlas.shared.h. Boxes are large, not largest. The result does not depend on the number of threads.
+void growBoxes(NestedVoxels& nested, const glm::uvec3& dims);
+
+} // namespace rt

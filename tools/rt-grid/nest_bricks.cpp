@@ -1,0 +1,260 @@
+#include "tools/rt-grid/nest_bricks.h"
+
+#include "common/error.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+
+namespace rt {
+namespace {
+
+constexpr std::size_t kVoxelsPerBlock = 64;
+constexpr std::size_t kAhead = 8; // triangles asked from memory before their turn
+constexpr double kLargestSpread =
+    2.0; // voxels that a triangle meets on average where a brick parts triangles
+
+// What consecutive voxels of the grid hold; offsets count from the block's own beginning.
+struct Block {
+    std::vector<std::uint32_t> bricks;
+    std::vector<std::uint32_t> references;
+    std::vector<BrickPlace> places;
+    std::uint64_t leaves = 0;
+};
+
+// Counts words over all blocks and stops the build where they become too many.
+class WordBudget {
+public:
+    WordBudget(std::uint64_t used, const ReferenceLimit& limit) : used_(used), limit_(limit) {}
+    void take(std::uint64_t words) {
+        if (used_.fetch_add(words, std::memory_order_relaxed) + words > limit_.references)
+            throw Error(ErrorKind::LimitExceeded, limit_.message);
+    }
+
+private:
+    std::atomic<std::uint64_t> used_;
+    const ReferenceLimit& limit_;
+};
+
+struct Nesting {
+    std::span<const TriangleRecord> triangles;
+    const GridLayout& layout;
+    const NestOptions& options;
+    int finestLevel;
+    WordBudget& budget;
+};
+
+class BlockBuilder {
+public:
+    BlockBuilder(const Nesting& nesting, Block& block) : nesting_(nesting), block_(block) {}
+
+    // Returns the word of a voxel of the grid. `list` must outlive the call only.
+    std::uint32_t wordOf(const glm::uvec3& voxel, std::span<const std::uint32_t> list) {
+        nesting_.budget.take(list.size());
+        const int shift = shiftFor(list.size(), 0);
+        if (list.size() <= nesting_.options.gridLeafSize || shift == 0) {
+            const std::uint32_t offset = newLeaf(list.size());
+            std::copy(list.begin(), list.end(), block_.references.end() - std::ptrdiff_t(list.size()));
+            return leafWord(offset);
+        }
+        lists_.assign(list.begin(), list.end());
+        pending_.clear();
+        const std::uint32_t word = newBrick(glm::ivec3(voxel), shift, 0, 0);
+        pending_.push_back({block_.places.size() - 1, 0, list.size()});
+        for (std::size_t i = 0; i < pending_.size(); ++i) fillBrick(pending_[i]);
+        return word;
+    }
+
+private:
+    struct Pending {
+        std::size_t place;
+        std::size_t firstInList; // in lists_
+        std::size_t count;
+    };
+    // A brick's voxel while its list is filled.
+    static constexpr std::uint32_t kToBrick = 0x80000000u; // the list goes to lists_, not to references
+
+    // k of the brick for so many triangles in a voxel of `level`; 0 if its voxels would be too small.
+    int shiftFor(std::size_t triangles, int level) const {
+        const double voxels = nesting_.options.brickVoxelsPerTriangle * static_cast<double>(triangles);
+        const auto shift = static_cast<int>(std::lround(std::log2(voxels) / 3.0));
+        return std::max(0, std::min(std::clamp(shift, 1, int(kMaxBrickShift)), nesting_.finestLevel - level));
+    }
+    std::uint32_t newLeaf(std::size_t count) {
+        const std::size_t offset = block_.references.size();
+        block_.references.resize(offset + kListHeaderWords + count);
+        block_.references[offset + 1] = static_cast<std::uint32_t>(count);
+        ++block_.leaves;
+        return static_cast<std::uint32_t>(offset);
+    }
+    std::uint32_t newBrick(const glm::ivec3& voxel, int shift, int level, int depth) {
+        const auto offset = static_cast<std::uint32_t>(block_.bricks.size());
+        const BrickPlace place{offset, shift, level + shift, depth + 1, voxel * (1 << shift)};
+        nesting_.budget.take(place.words());
+        block_.bricks.resize(offset + std::size_t(place.words()));
+        block_.places.push_back(place);
+        return brickWord(offset, shift);
+    }
+
+    // Lists the brick's triangles by voxel: cells_ and ids_ in parallel, and how many there are in each
+    // voxel.
+    void binInto(const BrickPlace& place, std::span<const std::uint32_t> list) {
+        const double scale = std::ldexp(1.0, place.level);
+        const glm::uvec3& dims = nesting_.layout.dims;
+        const double pad = padCellsFor(dims, place.level);
+        const glm::dvec3 first(place.first);
+        cells_.clear();
+        ids_.clear();
+        std::uint32_t* const counts = block_.bricks.data() + place.offset;
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            if (i + kAhead < list.size()) __builtin_prefetch(&nesting_.triangles[list[i + kAhead]]);
+            const std::uint32_t id = list[i];
+            VoxelTriangle t = voxelTriangle(nesting_.triangles[id], nesting_.layout);
+            for (glm::dvec3& corner : t) corner = corner * scale - first;
+            forEachVoxelOf(t, glm::uvec3(1u << place.shift), pad, [&](const glm::uvec3& at) {
+                const std::uint32_t cell = (((at.z << place.shift) + at.y) << place.shift) + at.x;
+                ++counts[cell];
+                cells_.push_back(cell);
+                ids_.push_back(id);
+            });
+        }
+        nesting_.budget.take(cells_.size());
+    }
+
+    bool staysLeaf(std::size_t count, std::size_t parentCount, const BrickPlace& parent) const {
+        const bool parted = count < parentCount || static_cast<double>(cells_.size()) <=
+                                                       kLargestSpread * static_cast<double>(parentCount);
+        return count <= nesting_.options.leafSize || parent.depth >= nesting_.options.maxDepth || !parted ||
+               shiftFor(count, parent.level) == 0;
+    }
+
+    void fillBrick(const Pending pending) {
+        const BrickPlace place = block_.places[pending.place];
+        binInto(place, std::span(lists_).subspan(pending.firstInList, pending.count));
+        const std::uint32_t side = 1u << place.shift;
+        ends_.resize(place.words());
+        for (std::uint32_t cell = 0; cell < place.words(); ++cell) {
+            const std::uint32_t count = block_.bricks[place.offset + cell];
+            if (count == 0) continue;
+            if (staysLeaf(count, pending.count, place)) {
+                const std::uint32_t offset = newLeaf(count);
+                ends_[cell] = offset + kListHeaderWords;
+                block_.bricks[place.offset + cell] = leafWord(offset);
+                continue;
+            }
+            const glm::uvec3 at(cell & (side - 1), (cell >> place.shift) & (side - 1),
+                                cell >> (2 * place.shift));
+            const std::uint32_t word = newBrick(place.first + glm::ivec3(at), shiftFor(count, place.level),
+                                                place.level, place.depth);
+            block_.bricks[place.offset + cell] = word;
+            pending_.push_back({block_.places.size() - 1, lists_.size(), count});
+            ends_[cell] = kToBrick | static_cast<std::uint32_t>(lists_.size());
+            lists_.resize(lists_.size() + count);
+        }
+        for (std::size_t i = 0; i < cells_.size(); ++i) {
+            const std::uint32_t end = ends_[cells_[i]]++;
+            (end & kToBrick ? lists_[end & ~kToBrick] : block_.references[end]) = ids_[i];
+        }
+    }
+
+    const Nesting& nesting_;
+    Block& block_;
+    std::vector<Pending> pending_;     // bricks of this voxel of the grid, in the order of bricksOf()
+    std::vector<std::uint32_t> lists_; // the triangles of those bricks
+    std::vector<std::uint32_t> cells_, ids_, ends_;
+};
+
+struct BlockStart {
+    std::size_t brick = 0;
+    std::size_t reference = 0;
+    std::size_t place = 0;
+};
+
+std::uint32_t relocated(std::uint32_t word, const BlockStart& start) {
+    if (isBrick(word)) return word + static_cast<std::uint32_t>(start.brick >> 3);
+    return word & kOccupiedBit ? word + static_cast<std::uint32_t>(start.reference) : word;
+}
+
+// Moves the blocks, one after the other, into the whole.
+class Assembly {
+public:
+    Assembly(std::vector<Block>& blocks, NestedVoxels& whole) : blocks_(blocks), whole_(whole) {
+        starts_.reserve(blocks.size());
+        BlockStart next;
+        for (const Block& block : blocks) {
+            starts_.push_back(next);
+            next.brick += block.bricks.size();
+            next.reference += block.references.size();
+            next.place += block.places.size();
+            whole.occupiedVoxels += block.leaves;
+        }
+        whole.bricks = WordArray(next.brick);
+        whole.references = WordArray(next.reference);
+        whole.referenceCount = next.reference - kListHeaderWords * whole.occupiedVoxels;
+        whole.places.resize(next.place);
+    }
+    void move(std::size_t i) {
+        Block& block = blocks_[i];
+        const BlockStart& start = starts_[i];
+        const std::size_t firstVoxel = i * kVoxelsPerBlock;
+        const std::size_t lastVoxel = std::min(whole_.voxels.size(), firstVoxel + kVoxelsPerBlock);
+        const auto moved = [&](std::uint32_t word) { return relocated(word, start); };
+        std::uint32_t* const voxels = whole_.voxels.data();
+        std::transform(voxels + firstVoxel, voxels + lastVoxel, voxels + firstVoxel, moved);
+        std::transform(block.bricks.begin(), block.bricks.end(), whole_.bricks.data() + start.brick, moved);
+        std::copy(block.references.begin(), block.references.end(),
+                  whole_.references.data() + start.reference);
+        for (std::size_t k = 0; k < block.places.size(); ++k) {
+            BrickPlace& place = whole_.places[start.place + k] = block.places[k];
+            place.offset += static_cast<std::uint32_t>(start.brick);
+        }
+        block = Block();
+    }
+
+private:
+    std::vector<Block>& blocks_;
+    NestedVoxels& whole_;
+    std::vector<BlockStart> starts_;
+};
+
+int finestLevelOf(const glm::uvec3& dims) {
+    int level = 0;
+    while (std::max({dims.x, dims.y, dims.z}) << (level + 1) <= kMaxFinestSide) ++level;
+    return level;
+}
+
+} // namespace
+
+WordArray::WordArray(std::size_t count)
+    : words(std::make_shared_for_overwrite<std::uint32_t[]>(count)), size(count) {}
+
+NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
+                        const NestOptions& options, const ReferenceLimit& limit) {
+    NestedVoxels nested;
+    nested.voxels = std::move(grid.voxels);
+    std::vector<Block> blocks((nested.voxels.size() + kVoxelsPerBlock - 1) / kVoxelsPerBlock);
+    WordBudget budget(grid.referenceCount, limit);
+    const glm::uvec3 dims = layout.dims;
+    const Nesting nesting{triangles, layout, options, finestLevelOf(dims), budget};
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) {
+        BlockBuilder builder(nesting, blocks[i]);
+        const std::size_t last = std::min(nested.voxels.size(), (i + 1) * kVoxelsPerBlock);
+        for (std::size_t voxel = i * kVoxelsPerBlock; voxel < last; ++voxel) {
+            std::uint32_t& word = nested.voxels[voxel];
+            if (word == 0) continue;
+            const std::size_t list = word & ~kOccupiedBit;
+            const std::size_t row = voxel / dims.x;
+            const glm::uvec3 at(voxel % dims.x, row % dims.y, row / dims.y);
+            word = builder.wordOf(at, std::span(grid.references).subspan(list + 1, grid.references[list]));
+        }
+    });
+    Assembly assembly(blocks, nested);
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) { assembly.move(i); });
+    return nested;
+}
+
+} // namespace rt

@@ -1,0 +1,51 @@
+#pragma once
+#include "formats/atlas.h"
+#include "tools/rt-grid/bin_triangles.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace rt {
+
+inline constexpr double kNestedVoxelsPerTriangle = 0.12; ///< of the grid that holds the bricks
+inline constexpr unsigned kDefaultLeafSize = 16;
+
+/// Where voxels become bricks of finer voxels.
+struct NestOptions {
+    unsigned gridLeafSize = 2;            ///< triangles that a voxel of the grid may list
+    unsigned leafSize = kDefaultLeafSize; ///< triangles that a voxel of a brick may list
+    double brickVoxelsPerTriangle = 7.0;  ///< about as many voxels has a brick
+    int maxDepth = 3;                     ///< bricks in bricks
+};
+
+/// Words in memory that nobody has written before: filling them from several threads is what costs.
+struct WordArray {
+    std::shared_ptr<std::uint32_t[]> words;
+    std::size_t size = 0;
+
+    explicit WordArray(std::size_t count = 0);
+    std::uint32_t* data() const { return words.get(); }
+    SharedSpan<std::uint32_t> share() const { return {std::span(words.get(), size), words}; }
+};
+
+/// A nested structure without its boxes: empty voxels are 0, exit boxes too.
+struct NestedVoxels {
+    std::vector<std::uint32_t> voxels;
+    WordArray bricks;
+    WordArray references;
+    std::vector<BrickPlace> places; ///< of all bricks, in the order of bricksOf()
+    std::uint64_t occupiedVoxels = 0;
+    std::uint64_t referenceCount = 0;
+};
+
+/// Puts a brick into each voxel with too many triangles, and bricks into bricks. A brick has (2^k)^3 voxels,
+/// k = 1 to 5. A voxel stays a leaf in spite of its many triangles where a brick would not part them (they
+/// share a vertex), or where voxels would become smaller than kMaxFinestSide allows. Triangles are listed in
+/// every voxel that they come within padCellsOf() of. The result does not depend on the number of threads.
+/// Throws Error{LimitExceeded} with limit.message when references and brick words are more than
+/// limit.references, the grid's own included.
+NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
+                        const NestOptions& options, const ReferenceLimit& limit);
+
+} // namespace rt
