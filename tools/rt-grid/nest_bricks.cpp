@@ -85,6 +85,7 @@ private:
         return std::max(0, std::min(std::clamp(shift, 1, int(kMaxBrickShift)), nesting_.finestLevel - level));
     }
     std::uint32_t newLeaf(std::size_t count) {
+        nesting_.budget.take(kListHeaderWords);
         const std::size_t offset = block_.references.size();
         block_.references.resize(offset + kListHeaderWords + count);
         block_.references[offset + 1] = static_cast<std::uint32_t>(count);

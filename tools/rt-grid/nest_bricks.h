@@ -43,8 +43,8 @@ struct NestedVoxels {
 /// k = 1 to 5. A voxel stays a leaf in spite of its many triangles where a brick would not part them (they
 /// share a vertex), or where voxels would become smaller than kMaxFinestSide allows. Triangles are listed in
 /// every voxel that they come within padCellsOf() of. The result does not depend on the number of threads.
-/// Throws Error{LimitExceeded} with limit.message when references and brick words are more than
-/// limit.references, the grid's own included.
+/// Throws Error{LimitExceeded} with limit.message when words of bricks and of lists are more than
+/// limit.references, the grid's references included.
 NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
                         const NestOptions& options, const ReferenceLimit& limit);
 

@@ -76,7 +76,10 @@ std::uint64_t forecastMemoryBytes(const GridReport& report) {
     size.vertices = atlas.normals.size();
     size.texels = atlas.pages.size();
     size.vdb = report.options.build.vdb;
-    return forecastBytes(size) + (atlas.info.references + atlas.bricks.size()) * kBytesPerReference;
+    const std::uint64_t words = atlas.grid.dims.w == kStructureNested
+                                    ? atlas.references.size() + atlas.bricks.size()
+                                    : atlas.info.references;
+    return forecastBytes(size) + words * kBytesPerReference;
 }
 
 } // namespace

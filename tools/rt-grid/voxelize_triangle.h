@@ -34,20 +34,19 @@ struct Range {
 /// voxels of a triangle meet is sound, so rounded slopes lose nothing.
 class Slope {
 public:
-    Slope(double slope, double lo, double hi) : inverse_(slope == 0.0 ? 0.0 : 1.0 / slope), lo_(lo), hi_(hi) {
+    Slope(double slope, double lo, double hi)
+        : inverse_(slope == 0.0 ? kSteep : 1.0 / slope), lo_(lo), hi_(hi) {
         if (slope < 0.0) std::swap(lo_, hi_);
     }
     /// Keeps the part of `range` that meets the condition.
     void narrow(Range& range, double others) const {
-        if (inverse_ == 0.0) {
-            if (others < lo_ || others > hi_) range.hi = -1.0;
-            return;
-        }
         range.lo = std::max(range.lo, (lo_ - others) * inverse_);
         range.hi = std::min(range.hi, (hi_ - others) * inverse_);
     }
 
 private:
+    // Stands for 1 / 0: makes the bounds all or nothing, as `others` meets the condition or not.
+    static constexpr double kSteep = 0x1p900;
     double inverse_;
     double lo_, hi_; // exchanged where the slope is negative
 };
@@ -58,8 +57,10 @@ struct Shadow {
     double lo;
     double hi;
 
+    // A normal of 0 has to let everything pass, hence 2^-100.
     Shadow(double a, double b, double middle, double radius)
-        : lo(std::min(a, b) - middle - radius), hi(std::max(a, b) - middle + radius) {}
+        : lo(std::min(a, b) - middle - (radius + 0x1p-100)),
+          hi(std::max(a, b) - middle + (radius + 0x1p-100)) {}
 };
 
 /// The axis across an edge and one coordinate axis: one of the 2D test of the triangle's and the voxel's
