@@ -11,10 +11,12 @@ struct Surface {
     float eta; // index of refraction on the ray's side / on the other side
 };
 
+// x is at most two periods below 0, as sampleImage() gives it. In whole numbers: a float division may be off by one unit
+// in the last place, and a whole period with it.
 int wrapTexel(int x, int size, uint wrap) {
     if (wrap == kWrapClamp) return clamp(x, 0, size - 1);
     int period = wrap == kWrapMirror ? 2 * size : size;
-    int inPeriod = x - period * int(floor(float(x) / float(period)));
+    int inPeriod = (x + 2 * period) % period;
     return inPeriod < size ? inPeriod : period - 1 - inPeriod;
 }
 
@@ -91,8 +93,10 @@ Surface surfaceAt(Ray ray, Hit hit) {
     return s;
 }
 
+// The next float up or down; near 0, where a triangle test would underflow, the next one of size 1e-20. Atlas space is
+// about unit size, so that is far below any rounding error.
 float nextFloat(float x, bool up) {
-    if (x == 0.0f) return up ? 1e-37f : -1e-37f;
+    if (abs(x) < 1e-20f) return up ? 1e-20f : -1e-20f;
     uint bits = floatBitsToUint(x);
     return uintBitsToFloat((x > 0.0f) == up ? bits + 1u : bits - 1u);
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 namespace rt {
@@ -131,6 +132,18 @@ TEST_F(ImportCli, ContentThatIsNoModelExitsWith4) {
     expectRefusal(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), 4, "no triangles");
     expectRefusal(write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 30\n"), 4,
                   "cannot be read as a model");
+}
+
+TEST_F(ImportCli, ADamagedModelThatCrashesItsLoaderExitsWith4) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer takes the signal";
+#endif
+    for (const char* file : {"invalid__crash-30d6d0f7c529b3b66b4131700b7a4580cd7082df.ply",
+                             "PLY__cube_binary_starts_with_nl.ply"}) {
+        const std::string path = test::scenePath(std::string("broken/assimp/") + file);
+        if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+        expectRefusal(write("damaged.ply", test::readText(path)), 4, "");
+    }
 }
 
 TEST_F(ImportCli, OversizedTextureExitsWith5) {

@@ -273,6 +273,8 @@ TEST_F(Optics, TexturesAreFilteredInLinearLightAndWrappedAsTheImageSays) {
             scene.render({{0.5, 0.5, 0.5}, {0.5, 0.5, 0.0}, {0, 1, 0}, 90.0}, {kSize, kSize});
         for (unsigned y = 0; y < kSize; ++y)
             for (unsigned x = 0; x < kSize; ++x) {
+                if (x + y == kSize - 1)
+                    continue; // where the two triangles meet, either may be missed by rounding
                 const glm::dvec2 place((x + 0.5) / kSize, 1.0 - (y + 0.5) / kSize);
                 const glm::dvec2 texcoord(-1.5 + 4.0 * place.x, -2.0 + 4.5 * place.y);
                 const glm::vec3 expected(0.8 * bilinear(mesh, texcoord));

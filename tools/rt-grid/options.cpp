@@ -95,6 +95,7 @@ void readRaw(const RawOptions& raw, GridOptions& options) {
         *std::find_if(kStructures.begin(), kStructures.end(),
                       [&](const StructureChoice& s) { return raw.structure == s.name; });
     build.structure = choice.kind;
+    if (std::isnan(raw.density)) throw Error(ErrorKind::Usage, "--density: nan is not a number of voxels");
     build.resolution.voxelsPerTriangle = raw.density > 0.0 ? raw.density : choice.voxelsPerTriangle;
     if (!raw.resolution.empty()) parseResolution(raw.resolution, build.resolution);
     if (!raw.maxMemory.empty()) build.memory = {parseByteSize(raw.maxMemory, "--max-memory"), "--max-memory"};

@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace rt {
 
 bool parseImportOptions(int argc, const char* const* argv, ImportOptions& options) {
@@ -26,6 +28,7 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     addDepfileOption(app, options.common);
     if (!parseCommandLine(app, argc, argv, options.common)) return false;
 
+    if (std::isnan(options.creaseDegrees)) throw Error(ErrorKind::Usage, "--crease: nan is not an angle");
     if (options.modelPath == "-")
         throw Error(ErrorKind::Usage,
                     "-: a model cannot come from standard input, since its textures are looked "

@@ -4,6 +4,7 @@
 #include "common/run_tool.h"
 #include "common/stage_timer.h"
 #include "formats/mesh_file.h"
+#include "tools/rt-import/guard_process.h"
 #include "tools/rt-import/import_model.h"
 #include "tools/rt-import/import_options.h"
 
@@ -27,6 +28,7 @@ int run(int argc, const char* const* argv) {
     if (!parseImportOptions(argc, argv, options)) return 0;
     const std::vector<std::string> outputs = outputsOf(options);
     for (const std::string& path : outputs) requireWritable(path);
+    if (const std::optional<int> exitCode = forkGuarded(options.modelPath)) return *exitCode;
     StageTimer timer;
     const ImportedModel model = importModel(options.modelPath, options.creaseDegrees, timer);
     requireDistinctPaths(model.filesRead, outputs); // textures and libraries count as inputs too
