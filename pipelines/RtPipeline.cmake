@@ -3,7 +3,7 @@
 # output did not change does not run those after it.
 #
 #   rt_add_scene(NAME MODEL file [ARGS ...])                                                NAME.rtmesh
-#   rt_add_atlas(NAME SCENE scene STRUCTURE uniform|cloud [RESOLUTION r] [ARGS ...])        NAME.rtatlas
+#   rt_add_atlas(NAME SCENE scene STRUCTURE uniform|cloud|nested [RESOLUTION r] [ARGS ...]) NAME.rtatlas
 #   rt_add_render(NAME ATLAS atlas SIZE WxH [ARGS ...])                                     NAME.exr, NAME.png
 #   rt_add_comparison(NAME A render B render MAX_RMSE x [ARGS ...])                         fails if they differ
 cmake_minimum_required(VERSION 3.25)

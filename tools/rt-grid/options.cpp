@@ -38,7 +38,7 @@ const char* const kDescription = "Builds the acceleration structure of a .rtmesh
                                  "The defaults suit most scenes. Touch --resolution or --density to trade "
                                  "memory for speed: twice the density is\n"
                                  "twice the voxels and fewer triangle tests per ray. A small object in a "
-                                 "large scene wants a high --resolution.";
+                                 "large scene wants nested.";
 
 void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
     const MemoryLimit memory = defaultMemoryLimit();
