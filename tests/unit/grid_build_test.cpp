@@ -30,9 +30,15 @@ Atlas build(const Mesh& mesh, const BuildOptions& options) {
     return buildAtlas(MeshFile{mesh, 77}, "mesh", options, timer);
 }
 
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kCountsMemory = false; // the sanitizer's own would count
+#else
+constexpr bool kCountsMemory = true;
+#endif
+
 template <class T>
 bool sameBytes(const SharedSpan<T>& a, const SharedSpan<T>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size_bytes()) == 0;
+    return std::ranges::equal(bytesOf<T>(a), bytesOf<T>(b)); // memcmp must not get the null of an empty array
 }
 
 std::string messageOf(const Mesh& mesh, const BuildOptions& options) {
@@ -144,14 +150,14 @@ TEST(GridLimits, memoryIsForecastBeforeItIsTaken) {
     const std::string message = messageOf(test::makeCube(), options);
     EXPECT_THAT(message, testing::HasSubstr("needs at least 513 MiB"));
     EXPECT_THAT(message, testing::HasSubstr("the limit is 100 MiB (--max-memory)"));
-    EXPECT_LT(peakMemoryBytes(), 450u << 20);
+    EXPECT_TRUE(!kCountsMemory || peakMemoryBytes() < (450u << 20));
 }
 
 TEST(GridLimits, oneGiantTriangleStopsBeforeItFillsTheMemory) {
     const std::vector<TriangleRecord> triangles{{.v0 = {0, 0, 0, 0}, .v1 = {1, 0, 0, 0}, .v2 = {0, 1, 0, 0}}};
     const GridLayout layout = placeGrid(gridBounds(triangles), glm::uvec3(16384, 16384, 1));
     EXPECT_THROW(binTriangles(triangles, layout, {1000, "too many"}), Error); // of 2^27
-    EXPECT_LT(peakMemoryBytes(), 300u << 20);
+    EXPECT_TRUE(!kCountsMemory || peakMemoryBytes() < (300u << 20));
 }
 
 TEST(GridLimits, theControlGroupsLimitCounts) {
