@@ -63,6 +63,9 @@ struct BrickPlace {
 /// without gaps and no level is finer than kMaxFinestSide allows: so each is reached once.
 std::vector<BrickPlace> bricksOf(const Atlas& atlas, const std::string& name);
 
+/// "uniform", "cloud", ... as the command line names the structure kinds.
+std::string structureName(std::uint32_t structure);
+
 /// Throws Error{InvalidContent}, message prefixed by `name`, unless every count, index and number is in
 /// range.
 void validate(const Atlas& atlas, const std::string& name);

@@ -163,6 +163,11 @@ void validateShading(const Atlas& atlas, const Validator& check) {
 
 } // namespace
 
+std::string structureName(std::uint32_t structure) {
+    static constexpr const char* kNames[] = {"uniform", "cloud", "octant", "nested"};
+    return structure < std::size(kNames) ? kNames[structure] : "unknown";
+}
+
 void validate(const Atlas& atlas, const std::string& name) {
     const Validator check(name);
     check.require(atlas.triangles.size() <= kMaxIndexedCount && atlas.normals.size() <= kMaxIndexedCount &&

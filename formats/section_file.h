@@ -82,8 +82,6 @@ public:
     /// Throws Error{FileAccess} or Error{InvalidContent}; messages name the file.
     SectionFile(const std::string& path, const FileKind& kind);
 
-    bool has(std::uint32_t id) const { return find(id) != nullptr; }
-
     /// The section's elements; empty if it is absent. Throws Error{InvalidContent} if its element size is not
     /// T's.
     template <class T>

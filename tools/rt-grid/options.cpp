@@ -40,20 +40,7 @@ const char* const kDescription = "Builds the acceleration structure of a .rtmesh
                                  "twice the voxels and fewer triangle tests per ray. A small object in a "
                                  "large scene wants nested.";
 
-void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
-    const MemoryLimit memory = defaultMemoryLimit();
-    app.add_option("mesh", options.meshPath, "Input; - for standard input")
-        ->required()
-        ->type_name("scene.rtmesh");
-    app.add_option("-o,--output", options.atlasPath, "Output; - for standard output")
-        ->required()
-        ->type_name("scene.rtatlas");
-    app.add_option("--structure", raw.structure,
-                   "cloud (default): empty voxels know how far rays may leap; nested: crowded voxels hold "
-                   "finer ones, "
-                   "for triangles of very different density; uniform: plain grid, for comparisons")
-        ->check(CLI::IsMember({"uniform", "cloud", "nested"}))
-        ->type_name("uniform|cloud|nested");
+void declareDensity(CLI::App& app, GridOptions& options, RawOptions& raw) {
     auto* resolution =
         app.add_option("--resolution", raw.resolution,
                        fmt::format("N voxels along the longest side and cubic voxels (at least 1 on every "
@@ -77,6 +64,23 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
         ->check(CLI::Range(1, 1000000))
         ->type_name("N")
         ->capture_default_str();
+}
+
+void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
+    const MemoryLimit memory = defaultMemoryLimit();
+    app.add_option("mesh", options.meshPath, "Input; - for standard input")
+        ->required()
+        ->type_name("scene.rtmesh");
+    app.add_option("-o,--output", options.atlasPath, "Output; - for standard output")
+        ->required()
+        ->type_name("scene.rtatlas");
+    app.add_option("--structure", raw.structure,
+                   "cloud (default): empty voxels know how far rays may leap; nested: crowded voxels hold "
+                   "finer ones, "
+                   "for triangles of very different density; uniform: plain grid, for comparisons")
+        ->check(CLI::IsMember({"uniform", "cloud", "nested"}))
+        ->type_name("uniform|cloud|nested");
+    declareDensity(app, options, raw);
     app.add_option(
            "--max-memory", raw.maxMemory,
            fmt::format(

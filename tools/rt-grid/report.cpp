@@ -9,17 +9,6 @@
 namespace rt {
 namespace {
 
-const char* structureName(const Atlas& atlas) {
-    switch (atlas.grid.dims.w) {
-    case kStructureUniform:
-        return "uniform";
-    case kStructureCloud:
-        return "cloud";
-    default:
-        return "nested";
-    }
-}
-
 // Bytes of all that every scene has: the voxels, and the triangles with their vertices' normals.
 double bytesPerTriangle(const Atlas& atlas) {
     const std::size_t bytes = atlas.voxels.size_bytes() + atlas.bricks.size_bytes() +
@@ -97,9 +86,10 @@ std::string summaryOf(const GridReport& report) {
     return fmt::format(
         "{} {}x{}x{} = {} voxels, {} occupied, {:.2f} references per triangle, {}, {:.1f} MB of "
         "voxels and lists for {} triangles, {:.1f} bytes per triangle in all, {:.0f} ms",
-        structureName(atlas), dims.x, dims.y, dims.z, atlas.voxelCount(), atlas.info.occupiedVoxels,
-        referencesPerTriangle(atlas), detailOf(atlas), static_cast<double>(structureBytes(atlas)) * 1e-6,
-        atlas.triangles.size(), bytesPerTriangle(atlas), buildMs(report.timer));
+        structureName(atlas.grid.dims.w), dims.x, dims.y, dims.z, atlas.voxelCount(),
+        atlas.info.occupiedVoxels, referencesPerTriangle(atlas), detailOf(atlas),
+        static_cast<double>(structureBytes(atlas)) * 1e-6, atlas.triangles.size(), bytesPerTriangle(atlas),
+        buildMs(report.timer));
 }
 
 nlohmann::json jsonOf(const GridReport& report) {
@@ -110,7 +100,7 @@ nlohmann::json jsonOf(const GridReport& report) {
     json["tool"] = "rt-grid";
     json["input"] = report.options.meshPath;
     json["output"] = report.options.atlasPath;
-    json["structure"] = structureName(atlas);
+    json["structure"] = structureName(atlas.grid.dims.w);
     json["resolution"] = {dims.x, dims.y, dims.z};
     json["voxels"] = atlas.voxelCount();
     json["occupiedVoxels"] = atlas.info.occupiedVoxels;

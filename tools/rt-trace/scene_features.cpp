@@ -55,9 +55,4 @@ std::string featureDefines(const SceneFeatures& features) {
     return text;
 }
 
-std::string structureName(unsigned structure) {
-    static constexpr const char* kNames[] = {"uniform", "cloud", "octant", "nested"};
-    return structure < std::size(kNames) ? kNames[structure] : "unknown";
-}
-
 } // namespace rt

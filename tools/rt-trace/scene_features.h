@@ -37,7 +37,4 @@ SceneFeatures queryFeatures(const Atlas& atlas, bool anyHit);
 /// One #define line per row of the table.
 std::string featureDefines(const SceneFeatures& features);
 
-/// "uniform", "cloud", ...
-std::string structureName(unsigned structure);
-
 } // namespace rt
