@@ -186,9 +186,9 @@ TEST(GridLimits, listsStopGrowingAtTheLimit) {
 }
 
 TEST(GridLimits, bricksStopGrowingAtTheLimit) {
-    const Mesh mesh = test::makeRandomTriangles(2000, 4, 0.5f);
+    const Mesh mesh = test::makeRandomTriangles(2000, 4, 0.05f);
     BuildOptions options = optionsFor(kStructureNested, glm::uvec3(4));
-    options.memory = {2000u * (68u + 12u * 60u), "--max-memory"}; // 4^3 voxels take no more than 20 of the 60
+    options.memory = {2000u * (80u + 12u * 3u), "--max-memory"}; // 4^3 voxels take no more than 2 of the 3
     EXPECT_THAT(messageOf(mesh, options), testing::HasSubstr("brick words"));
     options.memory = defaultMemoryLimit();
     EXPECT_NO_THROW(build(mesh, options));

@@ -12,10 +12,11 @@ namespace {
 
 constexpr int kLargestExtent = 31;
 constexpr int kLargestStep = 16;
-constexpr int kUsefulExtent = 8; // what lies beyond it makes a box no better: coarser voxels are near
-constexpr int kOpenSides = 3;    // an inherited box must reach beyond the voxel itself on so many sides
-constexpr int kGridTile = 8;     // voxels of the grid are grown in cubes of so many
-constexpr int kGridMargin = 16;  // and see so many beyond; 28: 0.7 % fewer steps per ray on the dragon
+constexpr int kUsefulExtent = 8;  // what lies beyond it makes a box no better: coarser voxels are near
+constexpr int kOpenSides = 3;     // of an inherited box in a brick
+constexpr int kGridOpenSides = 6; // of one in the grid: long rays pass there; 3: 2 % more steps per ray
+constexpr int kGridTile = 8;      // voxels of the grid are grown in cubes of so many
+constexpr int kGridMargin = 16;   // and see so many beyond; 28: 0.7 % fewer steps per ray on the dragon
 
 // How far beyond a brick its boxes can see, in its own voxels. Twice as far: 2 % fewer steps per ray on the
 // dragon, for half as much time again.
@@ -131,7 +132,7 @@ struct Region {
     glm::ivec3 size;
     std::ptrdiff_t rowStride;
     std::ptrdiff_t sliceStride;
-    bool inherits; // boxes of neighbours will do
+    int openSides; // an inherited box must reach beyond the voxel itself on so many sides
 };
 
 // The best of the boxes of the three neighbours before the voxel, or a new one where those are poor: growing
@@ -147,12 +148,10 @@ std::uint32_t boxFor(const Region& region, const glm::ivec3& voxel, const std::u
         best = rank > bestRank ? box : best;
         bestRank = std::max(rank, bestRank);
     };
-    if (region.inherits) {
-        consider(0, 1);
-        consider(1, region.rowStride);
-        consider(2, region.sliceStride);
-        if (bestRank >= 0 && BoxRank::openSides(bestRank) >= kOpenSides) return best;
-    }
+    consider(0, 1);
+    consider(1, region.rowStride);
+    consider(2, region.sliceStride);
+    if (bestRank >= 0 && BoxRank::openSides(bestRank) >= region.openSides) return best;
     const Box grown = BoxGrower(window, voxel + margin, std::min(margin, kLargestExtent)).grow();
     const std::uint32_t box = freeBoxWord(grown.below, grown.above);
     return BoxRank::of(box) > bestRank ? box : best;
@@ -175,7 +174,7 @@ void growGridTile(NestedVoxels& nested, const NestedOccupancy& occupancy, const 
     const std::ptrdiff_t rowStride = occupancy.dims.x;
     growRegion({nested.voxels.data() + occupancy.indexOf(first),
                 glm::min(glm::ivec3(kGridTile), occupancy.dims - first), rowStride,
-                rowStride * occupancy.dims.y, false},
+                rowStride * occupancy.dims.y, kGridOpenSides},
                window, kGridMargin);
 }
 
@@ -184,7 +183,7 @@ void growBrick(NestedVoxels& nested, const NestedOccupancy& occupancy, const Bri
     const int margin = marginFor(side);
     OccupancyWindow window;
     window.show(occupancy, place.level, place.first - margin, side + 2 * margin);
-    growRegion({nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side, true}, window,
+    growRegion({nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side, kOpenSides}, window,
                margin);
 }
 

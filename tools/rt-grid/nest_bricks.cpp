@@ -1,6 +1,7 @@
 #include "tools/rt-grid/nest_bricks.h"
 
 #include "common/error.h"
+#include "tools/rt-grid/brick_cost.h"
 
 #include <tbb/parallel_for.h>
 
@@ -44,7 +45,7 @@ struct Nesting {
     std::span<const TriangleRecord> triangles;
     const GridLayout& layout;
     const NestOptions& options;
-    int finestLevel;
+    BrickCost cost;
     WordBudget& budget;
 };
 
@@ -55,8 +56,8 @@ public:
     // Returns the word of a voxel of the grid. `list` must outlive the call only.
     std::uint32_t wordOf(const glm::uvec3& voxel, std::span<const std::uint32_t> list) {
         nesting_.budget.take(list.size());
-        const int shift = shiftFor(list.size(), 0);
-        if (list.size() <= nesting_.options.gridLeafSize || shift == 0) {
+        const int shift = list.size() <= nesting_.options.gridLeafSize ? 0 : nesting_.cost.shiftFor(list, 0);
+        if (shift == 0) {
             const std::uint32_t offset = newLeaf(list.size());
             std::copy(list.begin(), list.end(), block_.references.end() - std::ptrdiff_t(list.size()));
             return leafWord(offset);
@@ -78,12 +79,6 @@ private:
     // A brick's voxel while its list is filled.
     static constexpr std::uint32_t kToBrick = 0x80000000u; // the list goes to lists_, not to references
 
-    // k of the brick for so many triangles in a voxel of `level`; 0 if its voxels would be too small.
-    int shiftFor(std::size_t triangles, int level) const {
-        const double voxels = nesting_.options.brickVoxelsPerTriangle * static_cast<double>(triangles);
-        const auto shift = static_cast<int>(std::lround(std::log2(voxels) / 3.0));
-        return std::max(0, std::min(std::clamp(shift, 1, int(kMaxBrickShift)), nesting_.finestLevel - level));
-    }
     std::uint32_t newLeaf(std::size_t count) {
         nesting_.budget.take(kListHeaderWords);
         const std::size_t offset = block_.references.size();
@@ -126,40 +121,58 @@ private:
         nesting_.budget.take(cells_.size());
     }
 
-    bool staysLeaf(std::size_t count, std::size_t parentCount, const BrickPlace& parent) const {
-        const bool parted = count < parentCount || static_cast<double>(cells_.size()) <=
-                                                       kLargestSpread * static_cast<double>(parentCount);
-        return count <= nesting_.options.leafSize || parent.depth >= nesting_.options.maxDepth || !parted ||
-               shiftFor(count, parent.level) == 0;
-    }
-
     void fillBrick(const Pending pending) {
         const BrickPlace place = block_.places[pending.place];
         binInto(place, std::span(lists_).subspan(pending.firstInList, pending.count));
-        const std::uint32_t side = 1u << place.shift;
+        const bool deepest = place.depth >= nesting_.options.maxDepth;
+        crowded_.clear();
         ends_.resize(place.words());
+        std::size_t end = lists_.size();
         for (std::uint32_t cell = 0; cell < place.words(); ++cell) {
             const std::uint32_t count = block_.bricks[place.offset + cell];
             if (count == 0) continue;
-            if (staysLeaf(count, pending.count, place)) {
+            if (count <= nesting_.options.leafSize || deepest) {
                 const std::uint32_t offset = newLeaf(count);
                 ends_[cell] = offset + kListHeaderWords;
                 block_.bricks[place.offset + cell] = leafWord(offset);
                 continue;
             }
-            const glm::uvec3 at(cell & (side - 1), (cell >> place.shift) & (side - 1),
-                                cell >> (2 * place.shift));
-            const std::uint32_t word = newBrick(place.first + glm::ivec3(at), shiftFor(count, place.level),
-                                                place.level, place.depth);
-            block_.bricks[place.offset + cell] = word;
-            pending_.push_back({block_.places.size() - 1, lists_.size(), count});
-            ends_[cell] = kToBrick | static_cast<std::uint32_t>(lists_.size());
-            lists_.resize(lists_.size() + count);
+            crowded_.push_back({cell, end, count});
+            ends_[cell] = kToBrick | static_cast<std::uint32_t>(end);
+            end += count;
         }
+        lists_.resize(end);
         for (std::size_t i = 0; i < cells_.size(); ++i) {
-            const std::uint32_t end = ends_[cells_[i]]++;
-            (end & kToBrick ? lists_[end & ~kToBrick] : block_.references[end]) = ids_[i];
+            const std::uint32_t e = ends_[cells_[i]]++;
+            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) = ids_[i];
         }
+        for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
+    }
+
+    // A voxel that may become a brick.
+    struct Crowded {
+        std::uint32_t cell;
+        std::size_t firstInList;
+        std::size_t count;
+    };
+    void placeCrowded(const BrickPlace& parent, const Crowded& voxel, std::size_t parentCount) {
+        const auto list = std::span(lists_).subspan(voxel.firstInList, voxel.count);
+        const bool parted =
+            voxel.count < parentCount ||
+            static_cast<double>(cells_.size()) <= kLargestSpread * static_cast<double>(parentCount);
+        const int shift = parted ? nesting_.cost.shiftFor(list, parent.level) : 0;
+        if (shift == 0) {
+            const std::uint32_t offset = newLeaf(voxel.count);
+            std::copy(list.begin(), list.end(), block_.references.begin() + offset + kListHeaderWords);
+            block_.bricks[parent.offset + voxel.cell] = leafWord(offset);
+            return;
+        }
+        const std::uint32_t side = 1u << parent.shift;
+        const glm::uvec3 at(voxel.cell & (side - 1), (voxel.cell >> parent.shift) & (side - 1),
+                            voxel.cell >> (2 * parent.shift));
+        const std::uint32_t word = newBrick(parent.first + glm::ivec3(at), shift, parent.level, parent.depth);
+        block_.bricks[parent.offset + voxel.cell] = word;
+        pending_.push_back({block_.places.size() - 1, voxel.firstInList, voxel.count});
     }
 
     const Nesting& nesting_;
@@ -167,6 +180,7 @@ private:
     std::vector<Pending> pending_;     // bricks of this voxel of the grid, in the order of bricksOf()
     std::vector<std::uint32_t> lists_; // the triangles of those bricks
     std::vector<std::uint32_t> cells_, ids_, ends_;
+    std::vector<Crowded> crowded_;
 };
 
 struct BlockStart {
@@ -240,7 +254,9 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
     std::vector<Block> blocks((nested.voxels.size() + kVoxelsPerBlock - 1) / kVoxelsPerBlock);
     WordBudget budget(grid.referenceCount, limit);
     const glm::uvec3 dims = layout.dims;
-    const Nesting nesting{triangles, layout, options, finestLevelOf(dims), budget};
+    const Nesting nesting{triangles, layout, options,
+                          BrickCost(triangles, layout.cellsPerUnit, options.wordCost, finestLevelOf(dims)),
+                          budget};
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) {
         BlockBuilder builder(nesting, blocks[i]);
         const std::size_t last = std::min(nested.voxels.size(), (i + 1) * kVoxelsPerBlock);

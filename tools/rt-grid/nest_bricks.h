@@ -8,14 +8,14 @@
 
 namespace rt {
 
-inline constexpr double kNestedVoxelsPerTriangle = 0.12; ///< of the grid that holds the bricks
-inline constexpr unsigned kDefaultLeafSize = 16;
+inline constexpr double kNestedVoxelsPerTriangle = 0.2; ///< of the grid that holds the bricks
+inline constexpr unsigned kDefaultLeafSize = 12;
 
 /// Where voxels become bricks of finer voxels.
 struct NestOptions {
     unsigned gridLeafSize = 2;            ///< triangles that a voxel of the grid may list
     unsigned leafSize = kDefaultLeafSize; ///< triangles that a voxel of a brick may list
-    double brickVoxelsPerTriangle = 7.0;  ///< about as many voxels has a brick
+    double wordCost = 0.009;              ///< see BrickCost
     int maxDepth = 3;                     ///< bricks in bricks
 };
 
@@ -39,12 +39,13 @@ struct NestedVoxels {
     std::uint64_t referenceCount = 0;
 };
 
-/// Puts a brick into each voxel with too many triangles, and bricks into bricks. A brick has (2^k)^3 voxels,
-/// k = 1 to 5. A voxel stays a leaf in spite of its many triangles where a brick would not part them (they
-/// share a vertex), or where voxels would become smaller than kMaxFinestSide allows. Triangles are listed in
-/// every voxel that they come within padCellsOf() of. The result does not depend on the number of threads.
-/// Throws Error{LimitExceeded} with limit.message when words of bricks and of lists are more than
-/// limit.references, the grid's references included.
+/// Puts bricks into voxels with too many triangles, and bricks into bricks. A brick has (2^k)^3 voxels,
+/// k = 1 to 5, as BrickCost has it. A voxel stays a leaf in spite of its many triangles where the finer
+/// voxels would cost more than they save, where a brick would not part the triangles (they share a vertex),
+/// or where voxels would become smaller than kMaxFinestSide allows. Triangles are listed in every voxel that
+/// they come within padCellsOf() of. The result does not depend on the number of threads. Throws
+/// Error{LimitExceeded} with limit.message when words of bricks and of lists are more than limit.references,
+/// the grid's references included.
 NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
                         const NestOptions& options, const ReferenceLimit& limit);
 
