@@ -7,7 +7,7 @@
 namespace rt {
 namespace {
 
-constexpr std::size_t kLargestSample = 32; // triangles of a list that are looked at
+constexpr std::size_t kLargestSample = 12; // triangles of a list that are looked at
 constexpr double kLongList = 400.0;        // triangles times 2^level from which on words are cheap
 constexpr double kReferencesPerLeaf = 3.0; // what bricks of statues and interiors come to
 

@@ -9,13 +9,16 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
-#include <cstring>
+#include <cstdlib>
+#include <new>
+#include <sys/mman.h>
 
 namespace rt {
 namespace {
 
 constexpr std::size_t kVoxelsPerBlock = 64;
-constexpr std::size_t kAhead = 8; // triangles asked from memory before their turn
+constexpr std::size_t kHugePage = std::size_t(1) << 21; // bytes
+constexpr std::size_t kAhead = 8;                       // triangles asked from memory before their turn
 constexpr double kLargestSpread =
     2.0; // voxels that a triangle meets on average where a brick parts triangles
 
@@ -244,8 +247,13 @@ int finestLevelOf(const glm::uvec3& dims) {
 
 } // namespace
 
-WordArray::WordArray(std::size_t count)
-    : words(std::make_shared_for_overwrite<std::uint32_t[]>(count)), size(count) {}
+WordArray::WordArray(std::size_t count) : size(count) {
+    const std::size_t bytes = (count * sizeof(std::uint32_t) + kHugePage - 1) / kHugePage * kHugePage;
+    void* const memory = std::aligned_alloc(kHugePage, std::max(bytes, kHugePage));
+    if (!memory) throw std::bad_alloc();
+    madvise(memory, bytes, MADV_HUGEPAGE); // only a wish: less time in page faults
+    words = std::shared_ptr<std::uint32_t[]>(static_cast<std::uint32_t*>(memory), std::free);
+}
 
 NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
                         const NestOptions& options, const ReferenceLimit& limit) {
