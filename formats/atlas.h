@@ -31,8 +31,7 @@ struct Atlas {
     GridParams grid{};
     SharedSpan<std::uint32_t> voxels;        ///< dims.x*dims.y*dims.z words, x fastest; see atlas.shared.h
     SharedSpan<std::uint32_t> bricks;        ///< nested only: words of finer voxels; see atlas.shared.h
-    SharedSpan<std::uint32_t> references;    ///< lists: count, then that many triangle indices, ascending;
-                                             ///< nested: with the exit box before the count
+    SharedSpan<std::uint32_t> references;    ///< lists, one after the other; see atlas.shared.h
     SharedSpan<TriangleRecord> triangles;    ///< in the imported file's order
     SharedSpan<glm::uvec4> triangleVertices; ///< per triangle: three vertex indices, material
     SharedSpan<std::uint32_t> normals;       ///< per vertex, octEncode()d
@@ -45,6 +44,14 @@ struct Atlas {
 
     std::uint64_t voxelCount() const { return std::uint64_t(grid.dims.x) * grid.dims.y * grid.dims.z; }
 };
+
+/// The triangles of the list at `offset`; the last entry has kLastInList set.
+inline std::span<const std::uint32_t> listAt(std::span<const std::uint32_t> references, std::size_t offset) {
+    const std::size_t first = offset + 1;
+    std::size_t last = first;
+    while (!(references[last] & kLastInList)) ++last;
+    return references.subspan(first, last + 1 - first);
+}
 
 /// A brick of a nested atlas and where it lies.
 struct BrickPlace {

@@ -17,23 +17,29 @@ RT_SHARED_BEGIN
 RT_SHARED_CONST uint kStructureUniform = 0u; // 0
 RT_SHARED_CONST uint kStructureCloud =
     1u; // chessboard distance, in voxels, to the nearest occupied voxel (>= 1)
-RT_SHARED_CONST uint kStructureOctant = 2u; // reserved
-RT_SHARED_CONST uint kStructureNested = 3u; // extents of an empty box; crowded voxels hold bricks, see below
+RT_SHARED_CONST uint kStructureOctant = 2u; // how far it is free to each of the six sides: an empty box
+RT_SHARED_CONST uint kStructureNested = 3u; // an empty box; crowded voxels hold bricks of finer voxels
 
-RT_SHARED_CONST uint kOccupiedBit =
-    0x80000000u; // uniform, cloud: the other 31 bits are the offset of the voxel's list in REFS
+RT_SHARED_FN bool hasBoxes(uint structure) {
+    return structure >= kStructureOctant;
+}
 
-// Nested. A word of VOXL, or of a brick in BRIK, is one of
-//     empty  00 hi.z lo.z hi.y lo.y hi.x lo.x   six numbers of 5 bits, lo.x lowest: how many voxels beyond
+// A word of VOXL, or of a brick in BRIK, is one of
+//     empty  0 ... as the structure kind says; a box is
+//            00 hi.z lo.z hi.y lo.y hi.x lo.x   six numbers of 5 bits, lo.x lowest: how many voxels beyond
 //                                               this one, and of its size, are free of triangles on that side
-//     leaf   10 offset:30                       its list in REFS: exit box, count, triangles
+//     leaf   10 offset:30                       its list in REFS
 //     brick  11 k:3 offset:27                   (2^k)^3 words in BRIK from word 8 * offset on, x fastest
-// from bit 31 down. A box may cross the borders of bricks and of VOXL's voxels, and may leave the grid. The
-// exit box of a list is a word like an empty voxel's: a ray that has tested the list may leave that box.
+// from bit 31 down. A box may cross the borders of bricks and of VOXL's voxels, and may leave the grid.
+// A list is an exit box, a word like an empty voxel's: a ray that has tested the list may leave that box; 0
+// is the voxel alone. Then follow the indices of the list's triangles, at least one, ascending; the last one
+// has kLastInList set.
+RT_SHARED_CONST uint kOccupiedBit = 0x80000000u;
 RT_SHARED_CONST uint kBrickTag = 0xC0000000u;  // words from this one on are bricks
 RT_SHARED_CONST uint kMaxBrickShift = 5u;      // k
 RT_SHARED_CONST uint kMaxFinestSide = 131072u; // voxels of the finest size along any side of the grid
-RT_SHARED_CONST uint kListHeaderWords = 2u;    // exit box and count, before a nested list's triangles
+RT_SHARED_CONST uint kListHeaderWords = 1u;    // the exit box
+RT_SHARED_CONST uint kLastInList = 0x80000000u;
 
 RT_SHARED_FN bool isBrick(uint word) {
     return word >= kBrickTag;

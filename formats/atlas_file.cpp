@@ -13,7 +13,7 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 1, 0, ".rtatlas"};
+constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 2, 0, ".rtatlas"};
 
 constexpr std::uint32_t kInfo = sectionId("INFO");
 constexpr std::uint32_t kGrid = sectionId("GRID");
@@ -63,9 +63,7 @@ bool isFreeBox(std::uint32_t word) {
 
 void validateGrid(const Atlas& atlas, const Validator& check) {
     const GridParams& grid = atlas.grid;
-    check.require(grid.dims.w == kStructureUniform || grid.dims.w == kStructureCloud ||
-                      grid.dims.w == kStructureNested,
-                  "unknown structure kind");
+    check.require(grid.dims.w <= kStructureNested, "unknown structure kind");
     check.require(atlas.bricks.empty() || grid.dims.w == kStructureNested, "has bricks but is not nested");
     for (int axis = 0; axis < 3; ++axis) {
         check.require(grid.dims[axis] >= 1 && grid.dims[axis] <= (1u << 16), "grid dimensions out of range");
@@ -84,46 +82,35 @@ void validateGrid(const Atlas& atlas, const Validator& check) {
                   "number of voxels is not the product of the dimensions");
 }
 
-// Lists stand one after the other in REFS. Returns which words begin one.
-std::vector<bool> listStarts(const Atlas& atlas, const Validator& check) {
+// Lists stand one after the other in REFS: after the last entry of one begins the next.
+bool startsList(const Atlas& atlas, std::size_t offset) {
+    return offset < atlas.references.size() && (offset == 0 || (atlas.references[offset - 1] & kLastInList));
+}
+
+void validateLists(const Atlas& atlas, const Validator& check) {
     const auto& refs = atlas.references;
-    const bool nested = atlas.grid.dims.w == kStructureNested;
-    const std::uint64_t header = nested ? kListHeaderWords : 1; // the count is its last word
-    std::vector<bool> starts(refs.size());
-    for (std::uint64_t offset = 0; offset < refs.size();) {
-        check.require(refs.size() - offset >= header, "a triangle list overruns its section");
-        check.require(!nested || isFreeBox(refs[offset]), "a triangle list has an invalid exit box");
-        const std::uint64_t first = offset + header;
-        const std::uint64_t count = refs[first - 1];
-        check.require(count <= refs.size() - first, "a triangle list overruns its section");
-        for (std::uint64_t i = first; i < first + count; ++i)
-            check.require(refs[i] < atlas.triangles.size(),
-                          "a triangle list names a triangle that does not exist");
-        starts[offset] = true;
-        offset = first + count;
-    }
-    return starts;
+    check.require(refs.empty() || (refs.back() & kLastInList), "a triangle list overruns its section");
+    check.requireEach(refs, "list word", [&](const std::uint32_t& word) {
+        const auto i = static_cast<std::size_t>(&word - refs.data());
+        return startsList(atlas, i) ? isFreeBox(word) : (word & ~kLastInList) < atlas.triangles.size();
+    });
 }
 
 // After this no voxel leads a shader out of VOXL, BRIK, REFS or TRIS, and no leap is longer than the grid.
 void validateVoxels(const Atlas& atlas, const Validator& check, const std::string& name) {
-    const std::vector<bool> starts = listStarts(atlas, check);
-    const auto startsList = [&](std::uint64_t offset) { return offset < starts.size() && starts[offset]; };
-    if (atlas.grid.dims.w == kStructureNested) {
-        bricksOf(atlas, name);
-        const auto holds = [&](std::uint32_t word) {
-            return isBrick(word) || (word & kOccupiedBit ? startsList(leafList(word)) : isFreeBox(word));
-        };
-        check.requireEach(atlas.voxels, "voxel", holds);
-        check.requireEach(atlas.bricks, "brick word", holds);
-        return;
-    }
-    const bool cloud = atlas.grid.dims.w == kStructureCloud;
-    const std::uint32_t largest = glm::max(atlas.grid.dims.x, glm::max(atlas.grid.dims.y, atlas.grid.dims.z));
-    check.requireEach(atlas.voxels, "voxel", [&](std::uint32_t word) {
-        if (!(word & kOccupiedBit)) return cloud ? word >= 1 && word <= largest : word == 0;
-        return startsList(word & ~kOccupiedBit);
-    });
+    validateLists(atlas, check);
+    if (atlas.grid.dims.w == kStructureNested) bricksOf(atlas, name);
+    const std::uint32_t longest = glm::max(atlas.grid.dims.x, glm::max(atlas.grid.dims.y, atlas.grid.dims.z));
+    const auto holds = [&](std::uint32_t word) {
+        const std::uint32_t structure = atlas.grid.dims.w;
+        if (isBrick(word)) return structure == kStructureNested; // and bricksOf() has followed it
+        if (word & kOccupiedBit) return startsList(atlas, leafList(word));
+        if (structure == kStructureUniform) return word == 0;
+        if (structure == kStructureCloud) return word >= 1 && word <= longest;
+        return isFreeBox(word);
+    };
+    check.requireEach(atlas.voxels, "voxel", holds);
+    check.requireEach(atlas.bricks, "brick word", holds);
 }
 
 void validateShading(const Atlas& atlas, const Validator& check) {

@@ -1,18 +1,55 @@
-// Moller & Trumbore 1997. Keeps the nearer of `best` and the hit with `triangle`, if there is one at or after tMin; of
-// hits at the same t the lower index, so that the winner does not depend on the order of the tests.
-Hit intersectTriangle(Ray ray, TriangleRecord triangle, Hit best) {
-    vec3 edge1 = triangle.v1.xyz - triangle.v0.xyz;
-    vec3 edge2 = triangle.v2.xyz - triangle.v0.xyz;
-    vec3 p = cross(ray.direction, edge2);
-    float inverseDet = 1.0f / dot(edge1, p); // infinite for an edge-on triangle: the comparisons below fail then
-    vec3 fromV0 = ray.origin - triangle.v0.xyz;
-    vec3 q = cross(fromV0, edge1);
-    float u = dot(fromV0, p) * inverseDet;
-    float v = dot(ray.direction, q) * inverseDet;
-    float t = dot(edge2, q) * inverseDet;
+// The rows of a matrix that shears space so that the ray runs along the third axis at unit speed: x and y are 0 on it.
+struct RayShear {
+    vec3 x;
+    vec3 y;
+    vec3 z;
+};
+
+RayShear shearAlong(vec3 direction) {
+    vec3 size = abs(direction);
+    bool alongX = size.x >= size.y && size.x >= size.z;
+    bool alongY = !alongX && size.y >= size.z;
+    vec3 main = alongX ? vec3(1, 0, 0) : alongY ? vec3(0, 1, 0) : vec3(0, 0, 1);
+    vec3 first = main.yzx;
+    vec3 second = main.zxy;
+    float inverse = 1.0f / dot(main, direction);
+    return RayShear(first - main * (dot(first, direction) * inverse), second - main * (dot(second, direction) * inverse), main * inverse);
+}
+
+// The same for the same vector wherever it stands: a compiler that fused the terms now this way, now that, would open cracks.
+float shearedTo(vec3 row, vec3 v) {
+    precise float sum = fma(row.x, v.x, fma(row.y, v.y, row.z * v.z));
+    return sum;
+}
+
+// Twice the area between the origin, a and b. Exactly the opposite for (b, a): of two triangles that share an edge, one or
+// both see a ray that passes it on their side.
+float edgeSide(vec2 a, vec2 b) {
+    precise float ab = a.x * b.y;
+    precise float ba = a.y * b.x;
+    precise float side = ab - ba;
+    return side;
+}
+
+// Watertight: Woop, Benthin & Wald 2013. Keeps the nearer of `best` and the hit with `triangle`, if there is one at or
+// after tMin; of hits at the same t the lower index, so that the winner does not depend on the order of the tests.
+Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best) {
+    vec3 a = triangle.v0.xyz - ray.origin;
+    vec3 b = triangle.v1.xyz - ray.origin;
+    vec3 c = triangle.v2.xyz - ray.origin;
+    vec2 p = vec2(shearedTo(shear.x, a), shearedTo(shear.y, a));
+    vec2 q = vec2(shearedTo(shear.x, b), shearedTo(shear.y, b));
+    vec2 r = vec2(shearedTo(shear.x, c), shearedTo(shear.y, c));
+    float u = edgeSide(q, r);
+    float v = edgeSide(r, p);
+    float w = edgeSide(p, q);
+    if (min(u, min(v, w)) < 0.0f && max(u, max(v, w)) > 0.0f) return best;
+    float area = u + v + w;
+    if (area == 0.0f) return best; // edge-on: its neighbours are hit
+    float inverse = 1.0f / area;
+    float t = (u * dot(shear.z, a) + v * dot(shear.z, b) + w * dot(shear.z, c)) * inverse;
     uint id = floatBitsToUint(triangle.v0.w);
-    bool inside = u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= ray.tMin;
     bool nearer = t < best.t || (t == best.t && id < best.triangle);
-    if (inside && nearer) return Hit(t, u, v, id);
+    if (t >= ray.tMin && nearer) return Hit(t, v * inverse, w * inverse, id);
     return best;
 }

@@ -3,12 +3,14 @@
 
 const float kNever = 1e30f;
 
-// The part of a ray that lies in the grid, in voxel units: position = origin + t * direction.
+// A ray in the grid. Coordinates count the finest voxels that there may be, and each axis along which the ray runs
+// backwards is turned round, so that all directions are >= 0: x' = size - x. position = origin + t * direction.
 struct GridRay {
     vec3 origin;
     vec3 direction;
     vec3 inverse; // 1 / direction; kNever where the direction is 0
-    bvec3 positive; // direction >= 0
+    ivec3 turned; // -1 where the axis is turned round, else 0
+    ivec3 size; // of the grid
 };
 
 // Distance at which the ray enters the box [lo, hi] (x) and leaves it (y); x > y if it misses.
@@ -31,7 +33,7 @@ vec3 withoutTinyComponents(vec3 direction) {
     return mix(direction, vec3(0.0f), lessThan(size, vec3(largest * 1e-20f)));
 }
 
-// Voxels are at most 2^finestLevel() times smaller than those of level 0.
+// A voxel of the grid is 2^finestLevel() of the finest voxels wide.
 int finestLevel() {
     if (kStructure != kStructureNested) return 0;
     uint longest = max(grid.dims.x, max(grid.dims.y, grid.dims.z));
@@ -41,125 +43,89 @@ int finestLevel() {
 // `base` is the ray moved to where it enters the grid.
 GridRay toGridRay(Ray base) {
     GridRay g;
-    g.origin = (base.origin - grid.gridLo.xyz) * grid.cellsPerUnit.xyz;
-    g.direction = base.direction * grid.cellsPerUnit.xyz;
-    bvec3 still = equal(g.direction, vec3(0.0f));
-    g.inverse = mix(1.0f / g.direction, vec3(kNever), still);
-    // Keeps a ray that runs inside a voxel face in the middle of its voxels, the finest that there may be, where no exit
-    // plane is 0 away.
     float fine = powerOfTwo(finestLevel());
-    vec3 middle = (floor(clamp(g.origin * fine, vec3(0.0f), vec3(grid.dims.xyz) * fine - 1.0f)) + 0.5f) / fine;
-    g.origin = mix(g.origin, middle, still);
-    g.positive = greaterThanEqual(g.direction, vec3(0.0f));
+    vec3 size = vec3(grid.dims.xyz) * fine;
+    vec3 origin = (base.origin - grid.gridLo.xyz) * (grid.cellsPerUnit.xyz * fine);
+    vec3 direction = base.direction * (grid.cellsPerUnit.xyz * fine);
+    bvec3 still = equal(direction, vec3(0.0f));
+    bvec3 backwards = lessThan(direction, vec3(0.0f));
+    // A ray that runs inside a voxel face is kept in the middle of its voxels, where no exit plane is 0 away.
+    origin = mix(origin, floor(clamp(origin, vec3(0.0f), size - 1.0f)) + 0.5f, still);
+    g.origin = mix(origin, size - origin, backwards);
+    g.direction = abs(direction);
+    g.inverse = mix(1.0f / g.direction, vec3(kNever), still);
+    g.turned = mix(ivec3(0), ivec3(-1), backwards);
+    g.size = ivec3(size);
     return g;
 }
 
-// A voxel whose side is 2^-level of that of a voxel of the grid; `cell` counts in voxels of this size. Where there are no
-// bricks the level is 0 at compile time.
-struct Voxel {
-    ivec3 cell;
-    int level;
-};
-
+// The word of the empty voxel or leaf at the finest voxel `at`; it is 2^sizeShift of those wide.
+uint lookUp(GridRay g, ivec3 at, out int sizeShift) {
+    ivec3 voxel = (at ^ g.turned) + (g.size & g.turned);
+    sizeShift = finestLevel();
+    uint word = loadVoxel(voxel >> sizeShift);
 #if RT_STRUCTURE == 3 // kStructureNested: loadBrick() exists
-// The word of the empty voxel or leaf in which the ray is at distance t, having just entered `voxel`; `voxel` becomes
-// that voxel. The entered one may be finer than what is there, or coarser: then the position decides.
-uint descend(GridRay g, float t, inout Voxel voxel) {
-    Voxel entered = voxel;
-    voxel = Voxel(entered.cell >> entered.level, 0);
-    uint word = loadVoxel(voxel.cell);
     while (isBrick(word)) {
         int shift = brickShift(word);
-        voxel.level += shift;
-        int finer = voxel.level - entered.level;
-        if (finer <= 0) {
-            voxel.cell = entered.cell >> -finer;
-        } else {
-            ivec3 lo = entered.cell << finer;
-            ivec3 at = ivec3(floor((g.origin + g.direction * t) * powerOfTwo(voxel.level)));
-            voxel.cell = clamp(at, lo, lo + ((1 << finer) - 1));
-        }
-        ivec3 inBrick = voxel.cell & ((1 << shift) - 1);
+        sizeShift -= shift;
+        ivec3 inBrick = (voxel >> sizeShift) & ((1 << shift) - 1);
         word = loadBrick(brickOffset(word) + uint((((inBrick.z << shift) + inBrick.y) << shift) + inBrick.x));
     }
+#endif
     return word;
 }
-#else
-uint descend(GridRay g, float t, inout Voxel voxel) {
-    return loadVoxel(voxel.cell);
-}
-#endif
 
-// The box of voxels round one, of its size, that the ray may leave in one step: how many beyond it on each side.
-struct Reach {
-    ivec3 below;
-    ivec3 above;
-};
-
-Reach freeReach(uint emptyWord) {
-    if (kStructure == kStructureNested) return Reach(freeBelow(emptyWord), freeAbove(emptyWord));
-    if (kStructure == kStructureCloud) return Reach(ivec3(int(emptyWord) - 1), ivec3(int(emptyWord) - 1));
-    return Reach(ivec3(0), ivec3(0));
+// How many voxels beyond this one, and of its size, the ray may leave in one step along each axis.
+ivec3 freeAhead(GridRay g, uint emptyWord) {
+    if (kStructure == kStructureUniform) return ivec3(0);
+    if (kStructure == kStructureCloud) return ivec3(max(int(emptyWord), 1) - 1);
+    ivec3 place = ivec3(5, 15, 25) + 5 * g.turned; // of the bits of the sides that the ray runs to
+    return ivec3(bitfieldExtract(emptyWord, place.x, 5), bitfieldExtract(emptyWord, place.y, 5), bitfieldExtract(emptyWord, place.z, 5));
 }
 
-// The voxel, of the same level, behind the exit face of the box; tExit receives when the ray gets there.
-Voxel nextVoxel(GridRay g, Voxel voxel, Reach reach, out float tExit) {
-    ivec3 lo = voxel.cell - mix(reach.below, ivec3(0), g.positive); // never step back: rounding at a face would
-    ivec3 hi = voxel.cell + mix(ivec3(0), reach.above, g.positive); // revisit this voxel for ever
-    vec3 plane = mix(vec3(lo), vec3(hi + 1), g.positive) * powerOfTwo(-voxel.level);
-    vec3 t = (plane - g.origin) * g.inverse;
-    tExit = min(t.x, min(t.y, t.z));
-    bvec3 exits = bvec3(t.x == tExit, t.x != tExit && t.y == tExit, t.x != tExit && t.y != tExit);
-    vec3 position = (g.origin + g.direction * tExit) * powerOfTwo(voxel.level);
-    ivec3 inside = clamp(ivec3(floor(position)), lo, hi);
-    ivec3 beyond = mix(lo - 1, hi + 1, g.positive);
-    return Voxel(mix(inside, beyond, exits), voxel.level);
+// Moves `at` behind the exit face of the free box round its voxel; returns the distance at which the ray gets there.
+float leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
+    ivec3 end = ((at >> sizeShift) + freeAhead(g, emptyWord) + 1) << sizeShift;
+    vec3 exits = (vec3(end) - g.origin) * g.inverse;
+    float t = min(exits.x, min(exits.y, exits.z));
+    // Never back, never out of the box but through its exit face: rounding must not revisit a voxel for ever.
+    ivec3 inside = min(max(ivec3(g.origin + g.direction * t), at), end - 1);
+    bvec3 leaves = bvec3(exits.x == t, exits.x != t && exits.y == t, exits.x != t && exits.y != t);
+    at = mix(inside, end, leaves);
+    return t;
 }
 
-bool isInGrid(Voxel voxel) {
-    ivec3 end = ivec3(grid.dims.xyz) << voxel.level;
-    return all(greaterThanEqual(voxel.cell, ivec3(0))) && all(lessThan(voxel.cell, end));
-}
-
-struct ListPlace {
-    uint first; // triangle
-    uint end;
-};
-
-// Where the list of an occupied voxel stands; `exitReach` is the box that may be left once it is tested.
-ListPlace listOf(uint word, out Reach exitReach) {
-    uint header = kStructure == kStructureNested ? leafList(word) : word & ~kOccupiedBit;
-    exitReach = Reach(ivec3(0), ivec3(0));
-    if (kStructure == kStructureNested) exitReach = freeReach(loadReference(header++));
-    return ListPlace(header + 1u, header + 1u + loadReference(header));
-}
-
-Hit intersectList(Ray ray, ListPlace list, Hit best, inout WorkCounters work) {
-    if (kCountWork) work.tests += list.end - list.first;
-    for (uint i = list.first; i < list.end; ++i) best = intersectTriangle(ray, loadTriangle(loadReference(i)), best);
-    return best;
+// Tests a leaf's list. Returns the word that then holds for its voxel as for an empty one.
+uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout WorkCounters work) {
+    uint at = leafList(leaf);
+    uint exitBox = loadReference(at);
+    uint entry;
+    do {
+        entry = loadReference(++at);
+        if (kCountWork) work.tests += 1u;
+        best = intersectTriangle(ray, shear, loadTriangle(entry & ~kLastInList), best);
+    } while (entry < kLastInList);
+    return exitBox;
 }
 
 // `ray` starts in the grid, or so little before it that its first voxel is at the border. anyHit: returns the first hit that is found.
 Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
     GridRay g = toGridRay(ray);
-    ivec3 last = ivec3(grid.dims.xyz) - 1;
+    RayShear shear = shearAlong(ray.direction);
     float t = max(ray.tMin, 0.0f) * (1.0f - 2.0f * gammaBound(3.0f));
-    Voxel voxel = Voxel(clamp(ivec3(floor(g.origin + g.direction * t)), ivec3(0), last), 0);
+    ivec3 at = clamp(ivec3(g.origin + g.direction * t), ivec3(0), g.size - 1);
     Hit best = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
     for (;;) {
         if (kCountWork) work.steps += 1u;
-        uint word = descend(g, t, voxel);
-        Reach reach;
+        int sizeShift;
+        uint word = lookUp(g, at, sizeShift);
         if (word >= kOccupiedBit) {
-            best = intersectList(ray, listOf(word, reach), best, work);
+            word = intersectList(ray, shear, word, best, work);
             if (anyHit && best.triangle != kNoTriangle) return best;
-        } else {
-            reach = freeReach(word);
         }
-        voxel = nextVoxel(g, voxel, reach, t);
+        t = leap(g, word, sizeShift, at);
         // A triangle may be hit beyond its voxel; the hit stands unless a nearer one can still come.
-        if (t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || !isInGrid(voxel)) return best;
+        if (t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || any(greaterThanEqual(at, g.size))) return best;
     }
 }
 

@@ -132,7 +132,7 @@ TEST_P(GoldenSphere, RenderAgreesWithTheFormula) {
     EXPECT_EQ(compare.exitCode, 0) << compare.out << compare.err;
 }
 
-INSTANTIATE_TEST_SUITE_P(Structures, GoldenSphere, testing::Values("uniform", "cloud", "nested"));
+INSTANTIATE_TEST_SUITE_P(Structures, GoldenSphere, testing::Values("uniform", "cloud", "octant", "nested"));
 
 } // namespace
 } // namespace rt

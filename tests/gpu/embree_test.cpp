@@ -151,7 +151,8 @@ Agreement agreementOf(const Mesh& mesh, const Ray& ray, const Hit& ours, const H
     return isTwin(corners, cornersOf(mesh, embree.triangle)) ? Agreement::Twin : Agreement::Tie;
 }
 
-// Moller-Trumbore's test loses up to three rays in a million between the triangles of an edge.
+// Where a ray passes a silhouette by less than rounding: the triangles at the edge face different ways, and
+// hit or miss are both right.
 constexpr std::size_t kLostRaysAllowed = 2;
 
 std::string tool(const char* name) {

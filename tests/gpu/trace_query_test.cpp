@@ -142,7 +142,8 @@ std::vector<QueryRay> alignedRays() {
 class RayQuery : public test::OnGpu {
 protected:
     void expectAgreement(const Mesh& mesh, const std::vector<QueryRay>& rays, glm::uvec3 dims) {
-        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud, kStructureNested}) {
+        for (const std::uint32_t structure :
+             {kStructureUniform, kStructureCloud, kStructureOctant, kStructureNested}) {
             const Atlas atlas = test::makeAtlas(mesh, structure, dims);
             const auto hits = test::traceQuery(*context, atlas, rays);
             const auto anyHits = test::traceQuery(*context, atlas, rays, {.anyHit = true, .limits = {}});

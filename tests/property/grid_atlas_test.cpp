@@ -42,9 +42,9 @@ std::size_t voxelIndex(const Atlas& atlas, const glm::ivec3& v) {
 bool lists(const Atlas& atlas, const glm::ivec3& voxel, std::uint32_t triangle) {
     const std::uint32_t word = atlas.voxels[voxelIndex(atlas, voxel)];
     if (!(word & kOccupiedBit)) return false;
-    const std::size_t list = word & ~kOccupiedBit;
-    const auto triangles = atlas.references.subspan(list + 1, atlas.references[list]);
-    return std::binary_search(triangles.begin(), triangles.end(), triangle);
+    const auto list = listAt(atlas.references, leafList(word));
+    return std::any_of(list.begin(), list.end(),
+                       [&](std::uint32_t entry) { return (entry & ~kLastInList) == triangle; });
 }
 
 // A point of the triangle: anywhere, on an edge, or a corner.

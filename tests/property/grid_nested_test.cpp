@@ -110,9 +110,10 @@ private:
 };
 
 std::vector<std::uint32_t> listOf(const Atlas& atlas, std::uint32_t word) {
-    const std::size_t list = leafList(word);
-    const auto ids = atlas.references.subspan(list + kListHeaderWords, atlas.references[list + 1]);
-    return {ids.begin(), ids.end()};
+    const auto list = listAt(atlas.references, leafList(word));
+    std::vector<std::uint32_t> ids(list.begin(), list.end());
+    ids.back() &= ~kLastInList;
+    return ids;
 }
 
 TEST(GridNested, leavesListTheTrianglesThatTheyMeetAndEmptyBoxesMeetNone) {

@@ -45,7 +45,7 @@ Atlas smallAtlas() {
     atlas.grid.dims = glm::uvec4(2, 1, 1, kStructureCloud);
     atlas.grid.counts = glm::uvec4(2, 4, 1, 1);
     atlas.voxels = std::vector<std::uint32_t>{kOccupiedBit | 0u, 1u};
-    atlas.references = std::vector<std::uint32_t>{2, 0, 1};
+    atlas.references = std::vector<std::uint32_t>{0, 0, kLastInList | 1};
     std::vector<TriangleRecord> triangles(2);
     triangles[0] = {{0, 0, 0, 0}, {0.5f, 0, 0, 0}, {0, 0.5f, 0, 0}};
     triangles[1] = {{0.5f, 0, 0, std::bit_cast<float>(1u)}, {0.5f, 0.5f, 0.25f, 0}, {0, 0.5f, 0, 0}};
@@ -71,9 +71,10 @@ Atlas smallNestedAtlas() {
     std::vector<std::uint32_t> bricks(16, freeBoxWord({0, 0, 0}, {0, 0, 0}));
     bricks[3] = brickWord(8, 1);
     bricks[5] = leafWord(0);
-    bricks[8] = leafWord(4);
+    bricks[8] = leafWord(3);
     atlas.bricks = std::move(bricks);
-    atlas.references = std::vector<std::uint32_t>{0, 2, 0, 1, freeBoxWord({1, 2, 3}, {4, 5, 6}), 1, 1};
+    atlas.references =
+        std::vector<std::uint32_t>{0, 0, kLastInList | 1, freeBoxWord({1, 2, 3}, {4, 5, 6}), kLastInList | 1};
     return atlas;
 }
 
@@ -227,17 +228,21 @@ TEST(AtlasFile, InvalidBricksWithRightChecksumsAreRefused) {
     EXPECT_TRUE(refused([](Atlas&, Words& b) { b[3] = brickWord(8, 6); })) << "a brick too large";
     EXPECT_TRUE(refused([](Atlas&, Words& b) { b[0] = 0x40000000u; })) << "no such tag";
     EXPECT_TRUE(refused([](Atlas&, Words& b) { b[5] = leafWord(1); })) << "leaf into the middle of a list";
-    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[5] = leafWord(7); })) << "leaf beyond the lists";
+    EXPECT_TRUE(refused([](Atlas&, Words& b) { b[5] = leafWord(5); })) << "leaf beyond the lists";
     EXPECT_TRUE(refused([](Atlas& a, Words&) { a.voxels = Words{brickWord(0, 1), leafWord(9)}; })) << "voxel";
     EXPECT_TRUE(refused([](Atlas& a, Words&) { a.voxels = Words{brickWord(8, 1), 0}; })) << "first brick";
-    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 0, 2, 1}; }))
-        << "list overruns";
-    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 0, 1, 2}; }))
-        << "no triangle";
-    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 1u << 31, 1, 1}; }))
-        << "exit box";
-    EXPECT_TRUE(refused([](Atlas& a, Words&) { a.references = Words{0, 2, 0, 1, 0, 1, 1, 0}; }))
-        << "half a header";
+    const auto refusesList = [&](Words list) { // the second one
+        return refused([&](Atlas& a, Words&) {
+            list.insert(list.begin(), {0, 0, kLastInList | 1});
+            a.references = Words(list);
+        });
+    };
+    EXPECT_FALSE(refusesList({0, kLastInList | 1}));
+    EXPECT_TRUE(refusesList({0, 1})) << "list overruns";
+    EXPECT_TRUE(refusesList({0, kLastInList | 2})) << "no triangle";
+    EXPECT_TRUE(refusesList({1u << 31, kLastInList | 1})) << "exit box";
+    EXPECT_TRUE(refusesList({1u << 30, kLastInList | 1})) << "exit box of a brick's tag";
+    EXPECT_TRUE(refusesList({0, kLastInList | 1, 0})) << "a header alone";
     EXPECT_TRUE(refused([](Atlas& a, Words&) { a.grid.dims.w = kStructureCloud; })) << "bricks in a cloud";
 }
 
@@ -277,8 +282,8 @@ TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {
         a.voxels = Words{kOccupiedBit, 3u};
     })) << "a leap longer than the grid";
     EXPECT_TRUE(refused([](Atlas& a) { a.voxels = Words{kOccupiedBit}; })) << "a voxel too few";
-    EXPECT_TRUE(refused([](Atlas& a) { a.references = Words{3, 0, 1}; })) << "list overruns";
-    EXPECT_TRUE(refused([](Atlas& a) { a.references = Words{2, 0, 2}; })) << "no such triangle";
+    EXPECT_TRUE(refused([](Atlas& a) { a.references = Words{0, 0, 1}; })) << "list overruns";
+    EXPECT_TRUE(refused([](Atlas& a) { a.references = Words{0, 0, kLastInList | 2}; })) << "no such triangle";
     EXPECT_TRUE(refused([](Atlas& a) { a.grid.counts.w = 2; })) << "light count";
     EXPECT_TRUE(refused([](Atlas& a) { a.grid.dims.w = 9; })) << "structure";
     EXPECT_TRUE(refused([](Atlas& a) { a.grid.cellsPerUnit.x = 2.0f; })) << "inverse voxel size";

@@ -56,7 +56,8 @@ TEST(GridBuild, atlasesAreValidForBothStructuresAndManyMeshes) {
         test::makeTriangles({{0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {1, 2, 3}, {0.5f, 1, 1.5f}});
     for (const Mesh& mesh : {test::makeCube(), test::makeSphere(3), test::makeRandomTriangles(500, 1),
                              test::makeTexturedSquare({{5, 9}, {30, 2}}), degenerate})
-        for (const std::uint32_t structure : {kStructureUniform, kStructureCloud, kStructureNested})
+        for (const std::uint32_t structure :
+             {kStructureUniform, kStructureCloud, kStructureOctant, kStructureNested})
             for (const glm::uvec3 dims : {glm::uvec3(1), glm::uvec3(13, 5, 8), glm::uvec3(1, 64, 3)})
                 EXPECT_NO_THROW(validate(build(mesh, optionsFor(structure, dims)), "atlas"));
 }
@@ -68,9 +69,11 @@ TEST(GridBuild, listsStandInVoxelOrderWithoutGapsAndAscend) {
     std::uint64_t occupied = 0;
     for (const std::uint32_t word : atlas.voxels) {
         if (!(word & kOccupiedBit)) continue;
-        ASSERT_EQ(word & ~kOccupiedBit, next);
-        const auto list = atlas.references.subspan(next + 1, atlas.references[next]);
-        ASSERT_FALSE(list.empty());
+        ASSERT_EQ(leafList(word), next);
+        EXPECT_EQ(atlas.references[next], 0u) << "an exit box";
+        const auto entries = listAt(atlas.references, next);
+        std::vector<std::uint32_t> list(entries.begin(), entries.end());
+        list.back() &= ~kLastInList;
         EXPECT_EQ(std::adjacent_find(list.begin(), list.end(), std::greater_equal<>()), list.end());
         next += 1 + list.size();
         ++occupied;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
+#include <utility>
 
 namespace rt {
 namespace {
@@ -79,7 +80,7 @@ void countReferences(const std::vector<ChunkVoxels>& chunks, std::vector<std::ui
 struct BlockTotals {
     std::uint64_t occupied = 0;
     std::uint64_t references = 0;
-    std::uint64_t words() const { return occupied + references; }
+    std::uint64_t words() const { return kListHeaderWords * occupied + references; }
 };
 
 // Turns the counts in refs.voxels into the lists' offsets and makes room for the lists.
@@ -106,19 +107,19 @@ void placeLists(CellRefs& refs) {
         for (std::size_t i = first; i < last; ++i) {
             const std::uint32_t count = refs.voxels[i];
             if (count == 0) continue;
-            refs.voxels[i] = kOccupiedBit | offset;
-            offset += count + 1;
+            refs.voxels[i] = leafWord(offset);
+            offset += kListHeaderWords + count;
         }
     });
 }
 
-// Puts one chunk's triangles into the lists. A list's count, still 0, says how many of its places are taken;
+// Puts one chunk's triangles into the lists. A list's first word says how many of its places are taken;
 // threads take places in any order. Both reads miss the caches as a rule and an atomic lets nothing overtake
 // it, so the memory is asked for well before it is needed.
 void fillFromChunk(const ChunkVoxels& chunk, std::uint32_t triangle, CellRefs& refs) {
     constexpr std::size_t kAhead = 16;
     const std::vector<std::uint32_t>& voxels = chunk.voxels;
-    const auto listOf = [&](std::size_t i) { return refs.voxels[voxels[i]] & ~kOccupiedBit; };
+    const auto listOf = [&](std::size_t i) { return leafList(refs.voxels[voxels[i]]); };
     std::size_t i = 0;
     for (const std::uint32_t count : chunk.countOfTriangle) {
         for (const std::size_t end = i + count; i < end; ++i) {
@@ -142,8 +143,10 @@ void fillLists(const std::vector<ChunkVoxels>& chunks, CellRefs& refs) {
     forEachBlock(refs.voxels.size(), [&](std::size_t, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             if (refs.voxels[i] == 0) continue;
-            const auto list = refs.references.begin() + (refs.voxels[i] & ~kOccupiedBit);
-            std::sort(list + 1, list + 1 + *list);
+            const auto list = refs.references.begin() + leafList(refs.voxels[i]);
+            const std::uint32_t count = std::exchange(*list, 0);
+            std::sort(list + 1, list + 1 + count);
+            list[count] |= kLastInList;
         }
     });
 }

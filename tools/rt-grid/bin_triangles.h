@@ -13,8 +13,7 @@ namespace rt {
 struct CellRefs {
     /// dims.x*dims.y*dims.z words, x fastest: kOccupiedBit | offset into references, or 0 for an empty voxel.
     std::vector<std::uint32_t> voxels;
-    /// One list per occupied voxel, in the voxels' order, without gaps: a count, then as many triangles,
-    /// ascending.
+    /// One list per occupied voxel, in the voxels' order, without gaps, as in atlas.shared.h; no exit boxes.
     std::vector<std::uint32_t> references;
     std::uint64_t occupiedVoxels = 0;
     std::uint64_t referenceCount = 0; ///< triangles in all lists

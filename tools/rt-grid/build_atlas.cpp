@@ -26,10 +26,13 @@ VoxelWords flatVoxels(CellRefs refs, const BuildOptions& options, const glm::uve
     return {std::move(refs.voxels), {}, std::move(refs.references), refs.occupiedVoxels, refs.referenceCount};
 }
 
-VoxelWords nestedVoxels(CellRefs refs, const GridStages& stages, const NestOptions& options,
-                        const ReferenceLimit& limit, StageTimer& timer) {
+// An octant structure is a nested one without bricks.
+VoxelWords boxedVoxels(CellRefs refs, const GridStages& stages, const BuildOptions& options,
+                       const ReferenceLimit& limit, StageTimer& timer) {
+    NestOptions nest = options.nest;
+    if (options.structure == kStructureOctant) nest.maxDepth = 0;
     timer.begin("nest");
-    NestedVoxels nested = nestBricks(std::move(refs), stages.triangles, stages.layout, options, limit);
+    NestedVoxels nested = nestBricks(std::move(refs), stages.triangles, stages.layout, nest, limit);
     timer.begin("boxes");
     growBoxes(nested, stages.layout.dims);
     return {std::move(nested.voxels), nested.bricks.share(), nested.references.share(), nested.occupiedVoxels,
@@ -52,9 +55,8 @@ Atlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildO
     const ReferenceLimit limit = checkLimits(mesh, name, stages, options);
     timer.begin("bin");
     CellRefs refs = binTriangles(stages.triangles, stages.layout, limit);
-    stages.words = options.structure == kStructureNested
-                       ? nestedVoxels(std::move(refs), stages, options.nest, limit, timer)
-                       : flatVoxels(std::move(refs), options, dims, timer);
+    stages.words = hasBoxes(options.structure) ? boxedVoxels(std::move(refs), stages, options, limit, timer)
+                                               : flatVoxels(std::move(refs), options, dims, timer);
     timer.begin("pack");
     Atlas atlas = packAtlas(meshFile, options.structure, std::move(stages));
     timer.end();

@@ -8,7 +8,7 @@ namespace rt {
 
 /// 2^29 voxels of 4 bytes fill the largest storage buffer that current GL drivers offer, 2 GiB.
 inline constexpr std::uint64_t kMaxVoxels = std::uint64_t(1) << 29;
-inline constexpr std::uint64_t kMaxReferenceWords = 0x7FFFFFFFu; ///< list offsets have 31 bits
+inline constexpr std::uint64_t kMaxReferenceWords = 0x3FFFFFFFu; ///< list offsets have 30 bits
 
 /// What a build has to hold in memory.
 struct BuildSize {

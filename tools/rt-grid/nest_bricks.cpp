@@ -59,13 +59,11 @@ public:
     // Returns the word of a voxel of the grid. `list` must outlive the call only.
     std::uint32_t wordOf(const glm::uvec3& voxel, std::span<const std::uint32_t> list) {
         nesting_.budget.take(list.size());
-        const int shift = list.size() <= nesting_.options.gridLeafSize ? 0 : nesting_.cost.shiftFor(list, 0);
-        if (shift == 0) {
-            const std::uint32_t offset = newLeaf(list.size());
-            std::copy(list.begin(), list.end(), block_.references.end() - std::ptrdiff_t(list.size()));
-            return leafWord(offset);
-        }
         lists_.assign(list.begin(), list.end());
+        lists_.back() &= ~kLastInList;
+        const bool isShort = list.size() <= nesting_.options.gridLeafSize || nesting_.options.maxDepth == 0;
+        const int shift = isShort ? 0 : nesting_.cost.shiftFor(lists_, 0);
+        if (shift == 0) return leafWord(copyLeaf(lists_));
         pending_.clear();
         const std::uint32_t word = newBrick(glm::ivec3(voxel), shift, 0, 0);
         pending_.push_back({block_.places.size() - 1, 0, list.size()});
@@ -82,13 +80,20 @@ private:
     // A brick's voxel while its list is filled.
     static constexpr std::uint32_t kToBrick = 0x80000000u; // the list goes to lists_, not to references
 
+    // A leaf whose entries are still 0, but for the mark of the last one.
     std::uint32_t newLeaf(std::size_t count) {
         nesting_.budget.take(kListHeaderWords);
         const std::size_t offset = block_.references.size();
         block_.references.resize(offset + kListHeaderWords + count);
-        block_.references[offset + 1] = static_cast<std::uint32_t>(count);
+        block_.references.back() = kLastInList;
         ++block_.leaves;
         return static_cast<std::uint32_t>(offset);
+    }
+    std::uint32_t copyLeaf(std::span<const std::uint32_t> list) {
+        const std::uint32_t offset = newLeaf(list.size());
+        std::copy(list.begin(), list.end(), block_.references.begin() + offset + kListHeaderWords);
+        block_.references.back() |= kLastInList;
+        return offset;
     }
     std::uint32_t newBrick(const glm::ivec3& voxel, int shift, int level, int depth) {
         const auto offset = static_cast<std::uint32_t>(block_.bricks.size());
@@ -147,7 +152,7 @@ private:
         lists_.resize(end);
         for (std::size_t i = 0; i < cells_.size(); ++i) {
             const std::uint32_t e = ends_[cells_[i]]++;
-            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) = ids_[i];
+            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) |= ids_[i];
         }
         for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
     }
@@ -165,9 +170,7 @@ private:
             static_cast<double>(cells_.size()) <= kLargestSpread * static_cast<double>(parentCount);
         const int shift = parted ? nesting_.cost.shiftFor(list, parent.level) : 0;
         if (shift == 0) {
-            const std::uint32_t offset = newLeaf(voxel.count);
-            std::copy(list.begin(), list.end(), block_.references.begin() + offset + kListHeaderWords);
-            block_.bricks[parent.offset + voxel.cell] = leafWord(offset);
+            block_.bricks[parent.offset + voxel.cell] = leafWord(copyLeaf(list));
             return;
         }
         const std::uint32_t side = 1u << parent.shift;
@@ -271,10 +274,9 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
         for (std::size_t voxel = i * kVoxelsPerBlock; voxel < last; ++voxel) {
             std::uint32_t& word = nested.voxels[voxel];
             if (word == 0) continue;
-            const std::size_t list = word & ~kOccupiedBit;
             const std::size_t row = voxel / dims.x;
             const glm::uvec3 at(voxel % dims.x, row % dims.y, row / dims.y);
-            word = builder.wordOf(at, std::span(grid.references).subspan(list + 1, grid.references[list]));
+            word = builder.wordOf(at, listAt(grid.references, leafList(word)));
         }
     });
     Assembly assembly(blocks, nested);

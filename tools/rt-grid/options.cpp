@@ -28,9 +28,10 @@ struct StructureChoice {
     std::uint32_t kind;
     double voxelsPerTriangle; // where neither --density nor --resolution says otherwise
 };
-constexpr std::array<StructureChoice, 3> kStructures{
+constexpr std::array<StructureChoice, 4> kStructures{
     {{"uniform", kStructureUniform, kUniformVoxelsPerTriangle},
      {"cloud", kStructureCloud, kCloudVoxelsPerTriangle},
+     {"octant", kStructureOctant, kCloudVoxelsPerTriangle},
      {"nested", kStructureNested, kNestedVoxelsPerTriangle}}};
 
 const char* const kDescription = "Builds the acceleration structure of a .rtmesh and writes it, with all "
@@ -78,8 +79,8 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
                    "cloud (default): empty voxels know how far rays may leap; nested: crowded voxels hold "
                    "finer ones, "
                    "for triangles of very different density; uniform: plain grid, for comparisons")
-        ->check(CLI::IsMember({"uniform", "cloud", "nested"}))
-        ->type_name("uniform|cloud|nested");
+        ->check(CLI::IsMember({"uniform", "cloud", "octant", "nested"}))
+        ->type_name("uniform|cloud|octant|nested");
     declareDensity(app, options, raw);
     app.add_option(
            "--max-memory", raw.maxMemory,

@@ -34,6 +34,7 @@ BrickCounts countBricks(const Atlas& atlas) {
 }
 
 std::string detailOf(const Atlas& atlas) {
+    if (atlas.grid.dims.w == kStructureOctant) return "boxes of up to 31 voxels to each side";
     if (atlas.grid.dims.w != kStructureNested)
         return fmt::format("largest distance {}", atlas.info.maxDistance);
     const BrickCounts counts = countBricks(atlas);
