@@ -1,5 +1,6 @@
 #!/bin/sh
-# Packs the built tools with the shared libraries they need, so that they run on a machine without the packages:
+# Packs the built tools, those of pipelines/benchmark too if they are there, with the shared libraries they need, so that
+# they run on a machine without the packages:
 #     sh tests/bench/bundle.sh BIN_DIR OUT.tar.gz
 # There: unpack, then ./rt-tools/rt-trace ... (needs a C library as new as the one here; libEGL comes from the driver).
 set -eu
@@ -8,7 +9,8 @@ out=$2
 stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
 mkdir -p "$stage/rt-tools/bin" "$stage/rt-tools/lib"
-for tool in rt-import rt-grid rt-trace rt-compare; do
+for tool in rt-import rt-grid rt-trace rt-compare rt_make_rays rt_check_hits; do
+    case $tool in rt_*) [ -f "$bin/$tool" ] || continue ;; esac
     cp "$bin/$tool" "$stage/rt-tools/bin/"
     strip "$stage/rt-tools/bin/$tool"
     cat > "$stage/rt-tools/$tool" <<'WRAPPER'
@@ -19,7 +21,7 @@ WRAPPER
     chmod +x "$stage/rt-tools/$tool"
 done
 # The C library and the loader must be the target's own.
-ldd "$bin"/rt-import "$bin"/rt-grid "$bin"/rt-trace "$bin"/rt-compare |
+ldd "$stage"/rt-tools/bin/* |
     awk '$2 == "=>" && $3 ~ /^\// { print $3 }' | sort -u |
     grep -vE '/(libc|libm|libdl|librt|libpthread|libresolv|libmvec)\.so' |
     while read -r library; do cp -L "$library" "$stage/rt-tools/lib/"; done

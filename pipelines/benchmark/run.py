@@ -1,0 +1,267 @@
+"""Measures rt-trace's ray queries and rt-grid's builds against Embree and checks every hit: see README.md."""
+import argparse
+import csv
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+import make_scene
+import plot
+
+HERE = pathlib.Path(__file__).resolve().parent
+TOOLS = ("rt-import", "rt-grid", "rt-trace", "rt_make_rays", "rt_check_hits")
+SETS = ("primary", "shadow", "diffuse", "random")
+COLUMNS = (
+    "scene", "triangles", "structure", "options", "built", "set", "rays", "hits", "mrays_per_s",
+    "embree_mrays_per_s", "ratio", "ties", "near_ties", "grazing", "edges", "lost", "extra", "wrong",
+    "bytes_per_triangle", "build_mtris_per_s", "embree_build_mtris_per_s", "threads", "device", "note",
+)  # fmt: skip
+
+
+class StepFailed(Exception):
+    pass
+
+
+def run(tool, *arguments, accept=(0,)):
+    """Runs one of the tools; its exit code. Raises StepFailed with its last message for codes not accepted."""
+    result = subprocess.run([tool, *map(str, arguments), "-q"], capture_output=True, text=True)
+    if result.returncode not in accept:
+        lines = result.stderr.strip().splitlines() or [f"ended with exit code {result.returncode}"]
+        raise StepFailed(lines[-1])
+    return result.returncode
+
+
+def load(path):
+    return json.loads(path.read_text())
+
+
+def help_choices(tools, option):
+    """The values that rt-grid --help lists for an option: `--structure uniform|cloud|...`."""
+    text = subprocess.run([tools / "rt-grid", "--help"], capture_output=True, text=True, check=True).stdout
+    match = re.search(rf"^\s+--{option}[ =]([a-z]+(?:\|[a-z]+)+)", text, re.MULTILINE)
+    return match.group(1).split("|") if match else []
+
+
+def all_variants(tools):
+    """(structure, further options): every structure, and `auto` in every quality."""
+    qualities = [("--quality", quality) for quality in help_choices(tools, "quality")]
+    variants = []
+    for structure in help_choices(tools, "structure"):
+        variants += [(structure, q) for q in qualities] if structure == "auto" and qualities else [(structure, ())]
+    return variants
+
+
+def parse_variant(text):
+    """'cloud' or 'cloud --density 4' as all_variants() gives them."""
+    structure, *options = text.split()
+    return structure, tuple(options)
+
+
+def is_software(tools, device):
+    """Whether rt-trace --device DEVICE is a software renderer; `auto` takes hardware where there is any."""
+    text = subprocess.run([tools / "rt-trace", "--list-devices"], capture_output=True, text=True, check=True).stdout
+    kinds = dict(re.findall(r"^(\d+)\s+(software|hardware)\b", text, re.MULTILINE))
+    if device == "auto":
+        return "hardware" not in kinds.values()
+    return device == "software" or kinds.get(device) == "software"
+
+
+class Benchmark:
+    def __init__(self, options):
+        self.options = options
+        self.tools = options.tools.resolve()
+        self.out = options.out
+        self.details = self.out / "json"
+        self.rows = []
+        self.faults = []
+
+    def log(self, text):
+        print(text, file=sys.stderr, flush=True)
+
+    def fault(self, text):
+        self.faults.append(text)
+        self.log(f"  FAILED {text}")
+
+    def scene_model(self, scene, folder):
+        """The model file of a scene, generated where it has to be; None if a model is not there."""
+        source = self.options.scenes_dir / scene["model"] if "model" in scene else None
+        if source is not None and not source.is_file():
+            return None
+        make = scene.get("reducedMake") if self.options.reduced else None
+        make = make or scene.get("make")
+        if make is None:
+            return source
+        path = folder / "scene.ply"
+        make_scene.make(path, *make, *([str(source)] if source else []))
+        return path
+
+    def run_scene(self, scene):
+        name = scene["name"]
+        folder = self.out / "work" / name
+        shutil.rmtree(folder, ignore_errors=True)
+        folder.mkdir(parents=True)
+        try:
+            model = self.scene_model(scene, folder)
+            if model is None:
+                self.log(f"{name}: skipped, {self.options.scenes_dir / scene['model']} is not there")
+                return
+            run(self.tools / "rt-import", model, "-o", folder / "scene.rtmesh")
+            rays = self.make_rays(scene, folder)
+            for structure, options in self.options.variants:
+                self.run_variant(name, folder, rays, structure, options)
+        except StepFailed as error:
+            self.fault(f"{name}: {error}")
+        finally:
+            shutil.rmtree(folder)
+
+    def make_rays(self, scene, folder):
+        view = [f"--{key}={value}" for key, value in scene.get("view", {}).items()]
+        report = self.details / f"{scene['name']}-rays.json"
+        run(self.tools / "rt_make_rays", folder / "scene.rtmesh", "-o", folder, *view, "--json", report,
+            f"--size={self.options.size}", f"--embree-repeat={self.options.embree_repeat}")  # fmt: skip
+        rays = load(report)
+        speeds = " / ".join(f"{rays['sets'][s]['embreeMraysPerSecond']:.1f}" for s in SETS)
+        self.log(f"{scene['name']}: {rays['triangles']:,} triangles; Embree {speeds} Mrays/s")
+        return rays
+
+    def run_variant(self, scene, folder, rays, structure, options):
+        variant = " ".join((structure, *options))
+        prefix = f"{scene}-{re.sub('[^a-z0-9.]+', '-', variant)}"
+        row = dict.fromkeys(COLUMNS, "")
+        row |= {"scene": scene, "triangles": rays["triangles"], "structure": structure, "options": " ".join(options)}
+        row |= {"embree_build_mtris_per_s": rays["embreeBuildMtrisPerSecond"], "threads": rays["threads"]}
+        atlas = folder / "scene.rtatlas"
+        try:
+            report = self.details / f"{prefix}.json"
+            run(self.tools / "rt-grid", folder / "scene.rtmesh", "-o", atlas, "--structure", structure, *options,
+                "--json", report)  # fmt: skip
+            grid = load(report)
+            row["built"] = grid["structure"]
+            row["bytes_per_triangle"] = grid["bytesPerTriangle"]
+            row["build_mtris_per_s"] = grid["triangles"] / (grid["buildMs"] * 1e3)
+            self.log(f"  {variant}: built at {row['build_mtris_per_s']:.2f} Mtriangles/s, "
+                     f"{row['bytes_per_triangle']:.0f} bytes per triangle")  # fmt: skip
+            for name in SETS:
+                self.run_set(row | {"set": name}, folder, rays["sets"][name], f"{prefix}-{name}")
+        except StepFailed as error:
+            self.rows.append(row | {"note": str(error)})
+            self.fault(f"{scene}, {variant}: {error}")
+        finally:
+            atlas.unlink(missing_ok=True)
+
+    def run_set(self, row, folder, expected, prefix):
+        """Traces one set, checks its hits and adds its row."""
+        rays, got = folder / f"{row['set']}.rays", folder / "got.hits"
+        any_hit = ["--any-hit"] if expected["anyHit"] else []
+        repeat = ["--repeat", self.options.repeat] if self.options.repeat > 0 else []
+        report = self.details / f"{prefix}.json"
+        run(self.tools / "rt-trace", folder / "scene.rtatlas", "--rays", rays, "-o", got, *any_hit, *repeat,
+            "--device", self.options.device, "--json", report)  # fmt: skip
+        traced = load(report)
+        checked = self.details / f"{prefix}-hits.json"
+        allowed = int(self.options.allow_per_million * 1e-6 * expected["rays"])
+        failed = run(self.tools / "rt_check_hits", folder / f"{row['set']}.hits", got, "--rays", rays, *any_hit,
+                     "--mesh", folder / "scene.rtmesh", "--allow", allowed, "--json", checked, accept=(0, 1))  # fmt: skip
+        counts = load(checked)
+        embree = expected["embreeMraysPerSecond"]
+        row |= {"rays": expected["rays"], "hits": traced["hits"], "mrays_per_s": traced["mraysPerSecond"]}
+        row |= {"embree_mrays_per_s": embree, "ratio": traced["mraysPerSecond"] / embree, "device": traced["device"]}
+        row |= {"ties": counts["ties"], "near_ties": counts["nearTies"]}
+        row |= {key: counts[key] for key in ("grazing", "edges", "lost", "extra", "wrong")}
+        self.rows.append(row)
+        self.log(f"    {row['set']:8}{row['mrays_per_s']:10.1f} Mrays/s {row['ratio']:8.2f} x Embree, at edges "
+                 f"{sum(row[key] for key in ('ties', 'near_ties', 'grazing', 'edges'))}")  # fmt: skip
+        if failed:
+            faults = ", ".join(f"{counts[key]} {key}" for key in ("lost", "extra", "wrong"))
+            variant = " ".join(filter(None, (row["structure"], row["options"])))
+            self.fault(f"{row['scene']}, {variant}, {row['set']}: {faults}")
+
+
+def rounded(value):
+    return f"{value:.5g}" if isinstance(value, float) else value
+
+
+def write_csv(path, rows, append):
+    """Writes all rows; `append` keeps those of other scenes that are in the file already."""
+    ran = {row["scene"] for row in rows}
+    kept = []
+    if append and path.exists():
+        with open(path, newline="", encoding="utf-8") as file:
+            kept = [row for row in csv.DictReader(file) if row["scene"] not in ran]
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(kept + [{key: rounded(value) for key, value in row.items()} for row in rows])
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--tools", type=pathlib.Path, required=True, help="folder of the built programs")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for results.csv and the plots")
+    scenes = os.environ.get("RT_SCENES_DIR") or HERE.parents[2] / "shared" / "scenes"
+    parser.add_argument("--scenes-dir", type=pathlib.Path, default=scenes, help="folder with models/ (%(default)s)")
+    parser.add_argument("--scenes", nargs="+", metavar="NAME", help="of scenes.json; all by default")
+    parser.add_argument("--variants", nargs="+", metavar="'STRUCTURE [OPTIONS]'", help="for rt-grid; all by default")
+    parser.add_argument("--device", default="auto", help="as rt-trace --device takes it")
+    size = parser.add_mutually_exclusive_group()
+    size.add_argument("--reduced", action="store_true", help="small scenes, 256x256, one pass; so on software GL")
+    size.add_argument("--full", action="store_true", help="all scenes, 2048x2048, on software GL too")
+    parser.add_argument("--size", type=int, help="side of the primary rays' picture")
+    parser.add_argument("--repeat", type=int, help="passes of rt-trace; 0 is one without warming up")
+    parser.add_argument("--embree-repeat", type=int, help="passes and builds of Embree")
+    parser.add_argument("--allow-per-million", type=float, default=0.0, metavar="N",
+                        help="lost, extra and wrong hits per million rays that still pass (0)")  # fmt: skip
+    parser.add_argument("--append", action="store_true", help="keep the rows of other scenes in results.csv")
+    return parser.parse_args()
+
+
+def complete(options, scenes):
+    """Fills in what depends on the device and on what rt-grid can do; the scenes to run."""
+    missing = [tool for tool in TOOLS if shutil.which(options.tools / tool) is None]
+    if missing:
+        sys.exit(f"{options.tools}: {' '.join(missing)} not there; build them, see README.md")
+    software = is_software(options.tools, options.device)
+    options.reduced = options.reduced or (software and not options.full)
+    options.size = options.size or (256 if options.reduced else 2048)
+    if options.repeat is None:
+        options.repeat = 1 if options.reduced else 15
+    options.embree_repeat = options.embree_repeat or (1 if options.reduced else 3)
+    variants = options.variants
+    options.variants = [parse_variant(v) for v in variants] if variants else all_variants(options.tools)
+    if options.scenes:
+        known = {scene["name"]: scene for scene in scenes}
+        unknown = sorted(set(options.scenes) - set(known))
+        if unknown:
+            sys.exit(f"no such scene: {' '.join(unknown)}; there are {' '.join(known)}")
+        return [known[name] for name in options.scenes]
+    return [scene for scene in scenes if scene.get("reduced") or not options.reduced]
+
+
+def main():
+    options = parse()
+    scenes = complete(options, load(HERE / "scenes.json"))
+    benchmark = Benchmark(options)
+    benchmark.details.mkdir(parents=True, exist_ok=True)
+    (options.out / "work").mkdir(exist_ok=True)
+    if options.reduced:
+        benchmark.log(f"Reduced run: {options.size}x{options.size} rays; its speeds say nothing about a GPU")
+    results = options.out / "results.csv"
+    for scene in scenes:
+        benchmark.run_scene(scene)
+        write_csv(results, benchmark.rows, options.append)
+    shutil.rmtree(options.out / "work")
+    print(results)
+    for path in plot.draw(results, options.out):
+        print(path)
+    if not benchmark.rows:
+        sys.exit("nothing was measured")
+    if benchmark.faults:
+        sys.exit("\n".join([f"{len(benchmark.faults)} failures:", *benchmark.faults]))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,117 @@
+#include "tests/bench/hit_check.h"
+
+#include "tests/bench/embree_tracer.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+namespace rt::bench {
+namespace {
+
+constexpr double kTie = 1e-6; // of t
+// Of the size.
+constexpr double kNearTie = 1e-6;
+constexpr double kSameDistance = 1e-5;
+constexpr double kGrazing = 1e-3;
+constexpr double kAside = 1e-6;
+constexpr int kNeighbours = 16;
+
+double distanceOf(const QueryHit& hit) {
+    return std::bit_cast<float>(hit.tuvId.x);
+}
+
+bool isMiss(const QueryHit& hit) {
+    return hit.tuvId.w == kNoTriangle;
+}
+
+bool isSound(const QueryHit& hit) {
+    const double t = distanceOf(hit);
+    return isMiss(hit) ? t == -1.0 : t >= 0.0 && std::isfinite(t);
+}
+
+double sizeOf(const QueryRay& ray, double t) {
+    return glm::length(glm::dvec3(ray.originTmin)) + t * glm::length(glm::dvec3(ray.directionTmax));
+}
+
+HitClass classOf(const QueryRay& ray, const QueryHit& expected, const QueryHit& got, bool anyHit) {
+    if (!isSound(got)) return HitClass::Wrong;
+    if (isMiss(expected)) return isMiss(got) ? HitClass::Agree : HitClass::Extra;
+    if (isMiss(got)) return HitClass::Lost;
+    if (anyHit) return HitClass::Agree;
+    const double t = distanceOf(expected);
+    const double apart = std::abs(distanceOf(got) - t);
+    const auto within = [&](double part) {
+        return apart * glm::length(glm::dvec3(ray.directionTmax)) <= part * sizeOf(ray, t);
+    };
+    if (got.tuvId.w == expected.tuvId.w) {
+        if (within(kSameDistance)) return HitClass::Agree;
+        return within(kGrazing) ? HitClass::Grazing : HitClass::Wrong;
+    }
+    if (apart < kTie * t) return HitClass::Tie;
+    return within(kNearTie) ? HitClass::NearTie : HitClass::Wrong;
+}
+
+bool isFault(HitClass c) {
+    return c >= HitClass::Lost;
+}
+
+// Rays on a circle round the ray, of the size that belongs to the disputed hit.
+std::vector<QueryRay> neighboursOf(const QueryRay& ray, double t) {
+    const glm::dvec3 along = glm::normalize(glm::dvec3(ray.directionTmax));
+    const glm::dvec3 other = std::abs(along.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 right = glm::normalize(glm::cross(along, other)) * (kAside * sizeOf(ray, t));
+    const glm::dvec3 up = glm::cross(right, along);
+    std::vector<QueryRay> neighbours(kNeighbours, ray);
+    for (int i = 0; i < kNeighbours; ++i) {
+        const double angle = 2.0 * std::numbers::pi * i / kNeighbours;
+        const glm::dvec3 origin = glm::dvec3(ray.originTmin) + right * std::cos(angle) + up * std::sin(angle);
+        neighbours[static_cast<std::size_t>(i)].originTmin = glm::vec4(origin, ray.originTmin.w);
+    }
+    return neighbours;
+}
+
+// The distance of the farther of the two hits; Embree knows it where an any-hit record does not say.
+double disputedDistance(const EmbreeTracer& tracer, const TracedRays& traced, std::size_t i) {
+    const QueryHit expected =
+        traced.anyHit ? tracer.trace(traced.rays.subspan(i, 1), false, 1).hits[0] : traced.expected[i];
+    return std::max({distanceOf(expected), distanceOf(traced.got[i]), 0.0});
+}
+
+bool isEdge(const EmbreeTracer& tracer, const TracedRays& traced, std::size_t i) {
+    if (!isSound(traced.got[i])) return false;
+    const std::vector<QueryRay> neighbours =
+        neighboursOf(traced.rays[i], disputedDistance(tracer, traced, i));
+    const std::vector<QueryHit> hits = tracer.trace(neighbours, traced.anyHit, 1).hits;
+    return std::any_of(hits.begin(), hits.end(), [&](const QueryHit& hit) {
+        return !isFault(classOf(traced.rays[i], hit, traced.got[i], traced.anyHit));
+    });
+}
+
+} // namespace
+
+HitCounts compareHits(const TracedRays& traced) {
+    HitCounts counts;
+    counts.rays = traced.rays.size();
+    for (std::size_t i = 0; i < traced.rays.size(); ++i) {
+        counts.hits += isMiss(traced.expected[i]) ? 0 : 1;
+        const HitClass c = classOf(traced.rays[i], traced.expected[i], traced.got[i], traced.anyHit);
+        ++counts[c];
+        if (isFault(c)) counts.faults.push_back(i);
+    }
+    return counts;
+}
+
+void excuseEdges(const EmbreeTracer& tracer, const TracedRays& traced, HitCounts& counts) {
+    std::erase_if(counts.faults, [&](std::size_t i) {
+        if (!isEdge(tracer, traced, i)) return false;
+        --counts[classOf(traced.rays[i], traced.expected[i], traced.got[i], traced.anyHit)];
+        ++counts[HitClass::Edge];
+        return true;
+    });
+}
+
+} // namespace rt::bench
