@@ -31,7 +31,7 @@ VoxelWords nestedVoxels(CellRefs refs, const GridStages& stages, const NestOptio
     timer.begin("nest");
     NestedVoxels nested = nestBricks(std::move(refs), stages.triangles, stages.layout, options, limit);
     timer.begin("boxes");
-    growBoxes(nested, stages.layout.dims);
+    growBoxes(nested, stages.layout.dims, options.exitReach);
     return {std::move(nested.voxels), nested.bricks.share(), nested.references.share(), nested.occupiedVoxels,
             nested.referenceCount};
 }

@@ -1,5 +1,6 @@
 #include "tools/rt-grid/grow_boxes.h"
 
+#include "tools/rt-grid/grow_exits.h"
 #include "tools/rt-grid/occupancy.h"
 
 #include <tbb/parallel_for.h>
@@ -158,48 +159,66 @@ std::uint32_t boxFor(const Region& region, const glm::ivec3& voxel, const std::u
 }
 
 // The window shows the region and `margin` voxels round it.
-void growRegion(const Region& region, const OccupancyWindow& window, int margin) {
+void growRegion(const Region& region, const OccupancyWindow& window, int margin, ExitGrower&& exits) {
     for (int z = 0; z < region.size.z; ++z)
         for (int y = 0; y < region.size.y; ++y) {
             std::uint32_t* const row = region.words + z * region.sliceStride + y * region.rowStride;
             const std::uint64_t occupied = window.row(y + margin, z + margin) >> margin;
-            for (int x = 0; x < region.size.x; ++x)
-                if (!(occupied >> x & 1)) row[x] = boxFor(region, {x, y, z}, row + x, window, margin);
+            for (int x = 0; x < region.size.x; ++x) {
+                if (!(occupied >> x & 1))
+                    row[x] = boxFor(region, {x, y, z}, row + x, window, margin);
+                else if (!isBrick(row[x]))
+                    exits.grow(glm::ivec3(x, y, z) + margin, row[x]);
+            }
         }
 }
 
-void growGridTile(NestedVoxels& nested, const NestedOccupancy& occupancy, const glm::ivec3& first) {
+// What all regions have in common.
+struct Growth {
+    NestedVoxels& nested;
+    NestedOccupancy occupancy;
+    int exitReach;
+
+    ExitGrower exits(const OccupancyWindow& window, int margin) const {
+        return {occupancy, window, nested.references.data(), std::min(exitReach, margin)};
+    }
+};
+
+void growGridTile(const Growth& growth, const glm::ivec3& first) {
+    const NestedOccupancy& occupancy = growth.occupancy;
     OccupancyWindow window;
     window.show(occupancy, 0, first - kGridMargin, kGridTile + 2 * kGridMargin);
     const std::ptrdiff_t rowStride = occupancy.dims.x;
-    growRegion({nested.voxels.data() + occupancy.indexOf(first),
+    growRegion({growth.nested.voxels.data() + occupancy.indexOf(first),
                 glm::min(glm::ivec3(kGridTile), occupancy.dims - first), rowStride,
                 rowStride * occupancy.dims.y, kGridOpenSides},
-               window, kGridMargin);
+               window, kGridMargin, growth.exits(window, kGridMargin));
 }
 
-void growBrick(NestedVoxels& nested, const NestedOccupancy& occupancy, const BrickPlace& place) {
+void growBrick(const Growth& growth, const BrickPlace& place) {
     const int side = 1 << place.shift;
     const int margin = marginFor(side);
     OccupancyWindow window;
-    window.show(occupancy, place.level, place.first - margin, side + 2 * margin);
-    growRegion({nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side, kOpenSides}, window,
-               margin);
+    window.show(growth.occupancy, place.level, place.first - margin, side + 2 * margin);
+    growRegion({growth.nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side, kOpenSides},
+               window, margin, growth.exits(window, margin));
 }
 
 } // namespace
 
-void growBoxes(NestedVoxels& nested, const glm::uvec3& dims) {
+void growBoxes(NestedVoxels& nested, const glm::uvec3& dims, int exitReach) {
     const std::span<const std::uint32_t> bricks(nested.bricks.data(), nested.bricks.size);
-    const NestedOccupancy occupancy{glm::ivec3(dims), nested.voxels, bricks, OccupancyBits(nested.voxels),
-                                    OccupancyBits(bricks)};
+    const Growth growth{
+        nested,
+        {glm::ivec3(dims), nested.voxels, bricks, OccupancyBits(nested.voxels), OccupancyBits(bricks)},
+        exitReach};
     const glm::ivec3 tiles = (glm::ivec3(dims) + (kGridTile - 1)) / kGridTile;
     tbb::parallel_for(0, tiles.x * tiles.y * tiles.z, [&](int tile) {
         const glm::ivec3 at(tile % tiles.x, tile / tiles.x % tiles.y, tile / tiles.x / tiles.y);
-        growGridTile(nested, occupancy, at * kGridTile);
+        growGridTile(growth, at * kGridTile);
     });
     tbb::parallel_for(std::size_t(0), nested.places.size(),
-                      [&](std::size_t i) { growBrick(nested, occupancy, nested.places[i]); });
+                      [&](std::size_t i) { growBrick(growth, nested.places[i]); });
 }
 
 } // namespace rt

@@ -52,6 +52,9 @@ public:
     void show(const NestedOccupancy& occupancy, int level, const glm::ivec3& first, int side);
 
     int side() const { return side_; }
+    /// The word of an occupied voxel of the window, or of the coarser leaf that it is a part of, or of a
+    /// brick of finer voxels.
+    std::uint32_t wordAt(const NestedOccupancy& occupancy, const glm::ivec3& at) const;
     /// Bit x of row (y, z): whether the voxel is occupied.
     std::uint64_t row(int y, int z) const { return rows_[index(y, z)]; }
     /// The rows of a block, all in one.
