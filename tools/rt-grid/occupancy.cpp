@@ -69,20 +69,6 @@ void OccupancyWindow::showGrid(const NestedOccupancy& occupancy) {
         }
 }
 
-std::uint32_t OccupancyWindow::wordAt(const NestedOccupancy& occupancy, const glm::ivec3& at) const {
-    const glm::ivec3 voxel = first_ + at;
-    std::uint32_t word = occupancy.voxels[occupancy.indexOf(voxel >> level_)];
-    int finer = level_; // levels between the window's and the word's
-    while (isBrick(word) && finer >= brickShift(word) && finer > 0) {
-        const int shift = brickShift(word);
-        finer -= shift;
-        const glm::ivec3 inBrick = (voxel >> finer) & ((1 << shift) - 1);
-        word = occupancy.bricks[brickOffset(word) +
-                                std::size_t((((inBrick.z << shift) + inBrick.y) << shift) + inBrick.x)];
-    }
-    return word;
-}
-
 OccupancyWindow::Clip OccupancyWindow::clipOf(const glm::ivec3& voxel, int voxelLevel) const {
     const int coarser = level_ - voxelLevel;
     const glm::ivec3 lo = (voxel << coarser) - first_;
