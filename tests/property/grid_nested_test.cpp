@@ -30,8 +30,9 @@ std::vector<Case> cases() {
             {"64 triangles round a vertex", test::makeFan(64), {2, 2, 2}}};
 }
 
-Atlas build(const Mesh& mesh, const glm::uvec3& dims) {
+Atlas build(const Mesh& mesh, const glm::uvec3& dims, const NestOptions& nest = {}) {
     BuildOptions options;
+    options.nest = nest;
     options.structure = kStructureNested;
     options.resolution.exact = dims;
     StageTimer timer;
@@ -143,6 +144,71 @@ TEST(GridNested, leavesListTheTrianglesThatTheyMeetAndEmptyBoxesMeetNone) {
         EXPECT_EQ(leaves, atlas.info.occupiedVoxels) << name;
         EXPECT_TRUE(empties > 0u || leaves == 1u) << name;
     }
+}
+
+std::uint32_t exitBoxOf(const Atlas& atlas, std::uint32_t leaf) {
+    return atlas.references[leafList(leaf)];
+}
+
+// How many triangles meet the exit boxes of leaves that do not list them; `wider` voxels are added on all
+// sides.
+std::size_t missedByExits(const Atlas& atlas, int wider) {
+    const Triangles triangles(atlas);
+    std::size_t missed = 0;
+    for (const Cell& cell : cellsOf(atlas)) {
+        if (!(cell.word & kOccupiedBit)) continue;
+        const std::uint32_t box = exitBoxOf(atlas, cell.word);
+        const double scale = std::ldexp(1.0, -cell.level);
+        const glm::dvec3 lo = glm::dvec3(cell.at - freeBelow(box) - wider) * scale;
+        const glm::dvec3 hi = glm::dvec3(cell.at + freeAbove(box) + 1 + wider) * scale;
+        const std::vector<std::uint32_t> ids = listOf(atlas, cell.word);
+        for (std::uint32_t i = 0; i < triangles.size(); ++i)
+            missed += triangles.meets(i, lo, hi) && !std::binary_search(ids.begin(), ids.end(), i);
+    }
+    return missed;
+}
+
+int exitExtents(const Atlas& atlas) {
+    int sum = 0;
+    for (const Cell& cell : cellsOf(atlas)) {
+        if (!(cell.word & kOccupiedBit)) continue;
+        const glm::ivec3 extents =
+            freeBelow(exitBoxOf(atlas, cell.word)) + freeAbove(exitBoxOf(atlas, cell.word));
+        sum += extents.x + extents.y + extents.z;
+    }
+    return sum;
+}
+
+TEST(GridNested, aLeafListsAllTrianglesThatMeetItsExitBox) {
+    NestOptions far;
+    far.exitReach = 31;
+    for (const auto& [name, mesh, dims] : cases()) {
+        EXPECT_EQ(missedByExits(build(mesh, dims), 0), 0u) << name;
+        EXPECT_EQ(missedByExits(build(mesh, dims, far), 0), 0u) << name;
+    }
+    for (unsigned seed = 10; seed < 20; ++seed) {
+        const Mesh mesh = test::makeRandomTriangles(120, seed, 0.02f * static_cast<float>(seed - 8));
+        EXPECT_EQ(missedByExits(build(mesh, {3, 4, 2}), 0), 0u) << seed;
+    }
+}
+
+TEST(GridNested, exitBoxesOneVoxelWiderWouldMissTriangles) {
+    EXPECT_GT(missedByExits(build(test::makeSphere(2), {2, 2, 3}), 1), 0u);
+}
+
+TEST(GridNested, exitBoxesReachAsFarAsTheyMay) {
+    const auto extentsAt = [](int reach) {
+        NestOptions options;
+        options.exitReach = reach;
+        return exitExtents(build(test::makeSphere(3), {3, 3, 3}, options));
+    };
+    const auto leaves = static_cast<int>(build(test::makeSphere(3), {3, 3, 3}).info.occupiedVoxels);
+    EXPECT_EQ(extentsAt(0), 0);
+    EXPECT_GT(extentsAt(1), leaves);
+    EXPECT_GT(extentsAt(3), extentsAt(1));
+    // One leaf: the whole world is free behind it.
+    EXPECT_EQ(exitExtents(build(test::makeRandomTriangles(1, 3, 0.5f), {1, 1, 1})),
+              6 * NestOptions().exitReach);
 }
 
 // The pad is what a ray walked in floats may be off by.

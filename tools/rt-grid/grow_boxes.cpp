@@ -1,5 +1,6 @@
 #include "tools/rt-grid/grow_boxes.h"
 
+#include "tools/rt-grid/grow_exits.h"
 #include "tools/rt-grid/occupancy.h"
 
 #include <tbb/parallel_for.h>
@@ -126,19 +127,10 @@ int inherit(std::uint32_t neighbour, int axis, std::uint32_t& box) {
     return (above == 0) | ((neighbour & kOccupiedBit) != 0) ? -1 : rank;
 }
 
-// A block of voxels of one size, side by side in memory along x.
-struct Region {
-    std::uint32_t* words;
-    glm::ivec3 size;
-    std::ptrdiff_t rowStride;
-    std::ptrdiff_t sliceStride;
-    int openSides; // an inherited box must reach beyond the voxel itself on so many sides
-};
-
 // The best of the boxes of the three neighbours before the voxel, or a new one where those are poor: growing
 // one costs much more than looking at them.
-std::uint32_t boxFor(const Region& region, const glm::ivec3& voxel, const std::uint32_t* word,
-                     const OccupancyWindow& window, int margin) {
+std::uint32_t boxFor(const VoxelBlock& block, int openSides, const glm::ivec3& voxel,
+                     const std::uint32_t* word, const OccupancyWindow& window, int margin) {
     std::uint32_t best = 0;
     int bestRank = -1;
     const auto consider = [&](int axis, std::ptrdiff_t stride) {
@@ -149,57 +141,82 @@ std::uint32_t boxFor(const Region& region, const glm::ivec3& voxel, const std::u
         bestRank = std::max(rank, bestRank);
     };
     consider(0, 1);
-    consider(1, region.rowStride);
-    consider(2, region.sliceStride);
-    if (bestRank >= 0 && BoxRank::openSides(bestRank) >= region.openSides) return best;
-    const Box grown = BoxGrower(window, voxel + margin, std::min(margin, kLargestExtent)).grow();
+    consider(1, block.rowStride);
+    consider(2, block.sliceStride);
+    if (bestRank >= 0 && BoxRank::openSides(bestRank) >= openSides) return best;
+    const Box grown = BoxGrower(window, voxel + block.first, std::min(margin, kLargestExtent)).grow();
     const std::uint32_t box = freeBoxWord(grown.below, grown.above);
     return BoxRank::of(box) > bestRank ? box : best;
 }
 
-// The window shows the region and `margin` voxels round it.
-void growRegion(const Region& region, const OccupancyWindow& window, int margin) {
-    for (int z = 0; z < region.size.z; ++z)
-        for (int y = 0; y < region.size.y; ++y) {
-            std::uint32_t* const row = region.words + z * region.sliceStride + y * region.rowStride;
+// The window shows the block and `margin` voxels round it. openSides: an inherited box must reach beyond the
+// voxel itself on so many sides.
+void growBlock(const VoxelBlock& block, int openSides, const OccupancyWindow& window, int margin,
+               ExitGrower& exits) {
+    for (int z = 0; z < block.size.z; ++z)
+        for (int y = 0; y < block.size.y; ++y) {
+            std::uint32_t* const row = block.word({0, y, z});
             const std::uint64_t occupied = window.row(y + margin, z + margin) >> margin;
-            for (int x = 0; x < region.size.x; ++x)
-                if (!(occupied >> x & 1)) row[x] = boxFor(region, {x, y, z}, row + x, window, margin);
+            for (int x = 0; x < block.size.x; ++x) {
+                if (!(occupied >> x & 1))
+                    row[x] = boxFor(block, openSides, {x, y, z}, row + x, window, margin);
+                else if (!isBrick(row[x]))
+                    exits.grow(glm::ivec3(x, y, z) + block.first);
+            }
         }
 }
 
-void growGridTile(NestedVoxels& nested, const NestedOccupancy& occupancy, const glm::ivec3& first) {
-    OccupancyWindow window;
-    window.show(occupancy, 0, first - kGridMargin, kGridTile + 2 * kGridMargin);
-    const std::ptrdiff_t rowStride = occupancy.dims.x;
-    growRegion({nested.voxels.data() + occupancy.indexOf(first),
-                glm::min(glm::ivec3(kGridTile), occupancy.dims - first), rowStride,
-                rowStride * occupancy.dims.y, kGridOpenSides},
-               window, kGridMargin);
+// What all blocks have in common.
+struct Growth {
+    NestedVoxels& nested;
+    NestedOccupancy occupancy;
+    int exitReach;
+};
+
+VoxelBlock gridBlock(const Growth& growth, const glm::ivec3& lo, const glm::ivec3& hi,
+                     const glm::ivec3& windowFirst) {
+    const glm::ivec3& dims = growth.occupancy.dims;
+    const glm::ivec3 first = glm::max(lo, glm::ivec3(0));
+    return {growth.nested.voxels.data() + growth.occupancy.indexOf(first), glm::min(hi, dims) - first, dims.x,
+            std::ptrdiff_t(dims.x) * dims.y, first - windowFirst};
 }
 
-void growBrick(NestedVoxels& nested, const NestedOccupancy& occupancy, const BrickPlace& place) {
+void growGridTile(const Growth& growth, const glm::ivec3& first) {
+    OccupancyWindow window;
+    window.show(growth.occupancy, 0, first - kGridMargin, kGridTile + 2 * kGridMargin);
+    const int reach = std::min(growth.exitReach, kGridMargin);
+    const glm::ivec3 end = first + kGridTile;
+    const VoxelBlock lists = gridBlock(growth, first - reach, end + reach, first - kGridMargin);
+    ExitGrower exits(window, lists, growth.nested.references.data(), reach);
+    growBlock(gridBlock(growth, first, end, first - kGridMargin), kGridOpenSides, window, kGridMargin, exits);
+}
+
+void growBrick(const Growth& growth, const BrickPlace& place) {
     const int side = 1 << place.shift;
     const int margin = marginFor(side);
     OccupancyWindow window;
-    window.show(occupancy, place.level, place.first - margin, side + 2 * margin);
-    growRegion({nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side, kOpenSides}, window,
-               margin);
+    window.show(growth.occupancy, place.level, place.first - margin, side + 2 * margin);
+    const VoxelBlock block{growth.nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side,
+                           glm::ivec3(margin)};
+    ExitGrower exits(window, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
+    growBlock(block, kOpenSides, window, margin, exits);
 }
 
 } // namespace
 
-void growBoxes(NestedVoxels& nested, const glm::uvec3& dims) {
+void growBoxes(NestedVoxels& nested, const glm::uvec3& dims, int exitReach) {
     const std::span<const std::uint32_t> bricks(nested.bricks.data(), nested.bricks.size);
-    const NestedOccupancy occupancy{glm::ivec3(dims), nested.voxels, bricks, OccupancyBits(nested.voxels),
-                                    OccupancyBits(bricks)};
+    const Growth growth{
+        nested,
+        {glm::ivec3(dims), nested.voxels, bricks, OccupancyBits(nested.voxels), OccupancyBits(bricks)},
+        exitReach};
     const glm::ivec3 tiles = (glm::ivec3(dims) + (kGridTile - 1)) / kGridTile;
     tbb::parallel_for(0, tiles.x * tiles.y * tiles.z, [&](int tile) {
         const glm::ivec3 at(tile % tiles.x, tile / tiles.x % tiles.y, tile / tiles.x / tiles.y);
-        growGridTile(nested, occupancy, at * kGridTile);
+        growGridTile(growth, at * kGridTile);
     });
     tbb::parallel_for(std::size_t(0), nested.places.size(),
-                      [&](std::size_t i) { growBrick(nested, occupancy, nested.places[i]); });
+                      [&](std::size_t i) { growBrick(growth, nested.places[i]); });
 }
 
 } // namespace rt

@@ -17,6 +17,7 @@ struct NestOptions {
     unsigned leafSize = kDefaultLeafSize; ///< triangles that a voxel of a brick may list
     double wordCost = 0.009;              ///< see BrickCost
     int maxDepth = 3;                     ///< bricks in bricks
+    int exitReach = 3; ///< voxels beyond a leaf that its exit box may reach, at most 31; 0: no exit boxes
 };
 
 /// Words in memory that nobody has written before: filling them from several threads is what costs.
