@@ -34,7 +34,7 @@ VoxelWords boxedVoxels(CellRefs refs, const GridStages& stages, const BuildOptio
     timer.begin("nest");
     NestedVoxels nested = nestBricks(std::move(refs), stages.triangles, stages.layout, nest, limit);
     timer.begin("boxes");
-    growBoxes(nested, stages.layout.dims, options.exitReach);
+    growBoxes(nested, stages.layout.dims, nest.exitReach);
     return {std::move(nested.voxels), nested.bricks.share(), nested.references.share(), nested.occupiedVoxels,
             nested.referenceCount};
 }

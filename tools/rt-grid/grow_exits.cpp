@@ -10,17 +10,17 @@ namespace {
 // Reads the triangles of a list, ascending.
 class ListReader {
 public:
-    explicit ListReader(const std::uint32_t* list)
-        : next_(list + kListHeaderWords), end_(list + kListHeaderWords + list[1]) {}
+    explicit ListReader(const std::uint32_t* list) : next_(list + kListHeaderWords) {}
     bool read(std::uint32_t& triangle) {
-        if (next_ == end_) return false;
-        triangle = *next_++;
+        if (!next_) return false;
+        const std::uint32_t entry = *next_;
+        next_ = entry & kLastInList ? nullptr : next_ + 1;
+        triangle = entry & ~kLastInList;
         return true;
     }
 
 private:
-    const std::uint32_t* next_;
-    const std::uint32_t* end_;
+    const std::uint32_t* next_; // none after the last
 };
 
 std::uint64_t signatureOf(ListReader list) {

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 namespace rt {
@@ -90,13 +89,8 @@ void checkGl(const std::string& doing, const char* remedy) {
 }
 
 GlBuffer createBuffer(std::span<const std::byte> bytes) {
-    static constexpr std::array<std::byte, 16> kNothing{};
-    if (bytes.empty()) bytes = kNothing;
-    requireAddressable(bytes.size());
-    GLuint name = 0;
-    glCreateBuffers(1, &name);
-    GlBuffer buffer(name);
-    glNamedBufferStorage(name, static_cast<GLsizeiptr>(bytes.size()), bytes.data(), 0);
+    GlBuffer buffer = createEmptyBuffer(bytes.size() + kReadableBeyond, GL_DYNAMIC_STORAGE_BIT, kSmallerAtlas);
+    glNamedBufferSubData(buffer.name(), 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
     checkGl(fmt::format("uploading a buffer of {} bytes", bytes.size()));
     return buffer;
 }

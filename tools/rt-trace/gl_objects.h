@@ -49,7 +49,9 @@ inline constexpr const char* kSmallerAtlas = "lower rt-grid's --resolution";
 /// it where the device ran out of memory.
 void checkGl(const std::string& doing, const char* remedy = kSmallerAtlas);
 
-/// A buffer that holds `bytes`, or 16 zero bytes if there are none: an empty buffer cannot be bound.
+inline constexpr std::uint64_t kReadableBeyond = 16; ///< bytes
+
+/// A buffer that holds `bytes`; shaders may read kReadableBeyond bytes more, whatever they find there.
 GlBuffer createBuffer(std::span<const std::byte> bytes);
 /// A buffer of `size` bytes for shaders to write.
 GlBuffer createOutputBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);

@@ -6,7 +6,7 @@ namespace rt {
 
 // Work groups: a tile of pixels, or a run of rays.
 inline constexpr unsigned kTileSize = 8;
-inline constexpr unsigned kRaysPerGroup = 64;
+inline constexpr unsigned kRaysPerGroup = 128;
 
 /// The entry shader of the plan's kind, shaders/render.comp.glsl or shaders/query.comp.glsl, for its
 /// features.
