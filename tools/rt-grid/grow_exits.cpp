@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <memory>
 #include <vector>
 
 namespace rt {
@@ -44,6 +45,54 @@ bool isSubset(ListReader part, ListReader whole) {
     return true;
 }
 
+// Bit x of a row of voxels: whether boxes may not step from voxel x over that face. Faces: x down, x up, y
+// down, ...
+using FaceRows = std::array<std::uint64_t, 6>;
+
+class ExitBox {
+public:
+    // rows: those of z = 0, one after the other, before those of z = 1.
+    ExitBox(const FaceRows* rows, std::ptrdiff_t stride, const glm::ivec3& voxel)
+        : rows_(rows), stride_(stride), lo_(voxel), hi_(voxel) {}
+
+    // How far beyond the voxel the box reaches on each side.
+    std::uint32_t grow(int reach) {
+        const glm::ivec3 voxel = lo_;
+        const FaceRows& own = rows_[voxel.z * stride_ + voxel.y];
+        std::array<bool, 6> grows;
+        for (std::size_t face = 0; face < 6; ++face) grows[face] = !(own[face] >> voxel.x & 1);
+        for (int i = 0; i < reach; ++i) {
+            grows[0] = grows[0] && step<0, 0>();
+            grows[1] = grows[1] && step<0, 1>();
+            grows[2] = grows[2] && step<1, 0>();
+            grows[3] = grows[3] && step<1, 1>();
+            grows[4] = grows[4] && step<2, 0>();
+            grows[5] = grows[5] && step<2, 1>();
+        }
+        return freeBoxWord(voxel - lo_, hi_ - voxel);
+    }
+
+private:
+    // Moves the face by one voxel if the box may step over it everywhere.
+    template <int kAxis, int kUp>
+    bool step() {
+        glm::ivec3 lo = lo_;
+        glm::ivec3 hi = hi_;
+        lo[kAxis] = hi[kAxis] = kUp ? hi_[kAxis] : lo_[kAxis];
+        std::uint64_t blocked = 0;
+        const FaceRows* slice = rows_ + lo.z * stride_;
+        for (int z = lo.z; z <= hi.z; ++z, slice += stride_)
+            for (int y = lo.y; y <= hi.y; ++y) blocked |= slice[y][2 * kAxis + kUp];
+        if (blocked & (~std::uint64_t(0) >> (63 - (hi.x - lo.x))) << lo.x) return false;
+        (kUp ? hi_ : lo_)[kAxis] += 2 * kUp - 1;
+        return true;
+    }
+
+    const FaceRows* rows_;
+    std::ptrdiff_t stride_;
+    glm::ivec3 lo_, hi_; // both included
+};
+
 class ExitGrower {
 public:
     ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references, int reach);
@@ -51,20 +100,15 @@ public:
     void growAll(const VoxelBlock& block);
 
 private:
-    // Bit x of a row: whether the box of a leaf may not step from voxel x over that face. Faces: x down, x
-    // up, y down, ...
-    using FaceRows = std::array<std::uint64_t, 6>;
-
-    void grow(const glm::ivec3& voxel);
     void blockByOccupancy();
     void readLists();
     void relateLists();
     void relate(const glm::ivec3& lower, int axis);
-    template <int kAxis, int kUp>
-    bool tryFace();
 
-    FaceRows& facesOf(int y, int z) {
-        return faces_[static_cast<std::size_t>((z - first_.z) * (last_.y - first_.y + 1) + y - first_.y)];
+    std::ptrdiff_t rowsPerSlice() const { return last_.y - first_.y + 1; }
+    // Where a voxel of the block is found in faces_.
+    glm::ivec3 placeOf(const glm::ivec3& voxel) const {
+        return block_.first + voxel - glm::ivec3(0, first_.y, first_.z);
     }
     std::size_t indexOf(const glm::ivec3& inBlock) const {
         return static_cast<std::size_t>((inBlock.z * block_.size.y + inBlock.y) * block_.size.x + inBlock.x);
@@ -74,11 +118,11 @@ private:
     const VoxelBlock& block_;
     std::uint32_t* references_;
     int reach_;
-    glm::ivec3 first_, last_;               // voxels of the window from which boxes may step on
-    std::vector<FaceRows> faces_;           // of their rows
-    std::vector<std::uint64_t> leafRows_;   // of the block: bit x is set where there is a leaf
-    std::vector<std::uint64_t> signatures_; // of its leaves: bit i is set for triangles that are i modulo 64
-    glm::ivec3 lo_{0}, hi_{0};              // the box, both included
+    glm::ivec3 first_, last_;             // voxels of the window from which boxes may step on
+    std::unique_ptr<FaceRows[]> faces_;   // of their rows
+    std::vector<std::uint64_t> leafRows_; // of the block: bit x is set where there is a leaf
+    std::unique_ptr<std::uint64_t[]>
+        signatures_; // of its leaves: bit i is set for triangles that are i modulo 64
 };
 
 ExitGrower::ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references,
@@ -92,8 +136,9 @@ ExitGrower::ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, s
 }
 
 void ExitGrower::blockByOccupancy() {
-    faces_.resize(static_cast<std::size_t>((last_.z - first_.z + 1) * (last_.y - first_.y + 1)));
-    FaceRows* rows = faces_.data();
+    faces_ = std::make_unique_for_overwrite<FaceRows[]>(
+        static_cast<std::size_t>((last_.z - first_.z + 1) * rowsPerSlice()));
+    FaceRows* rows = faces_.get();
     const auto row = [&](int y, int z) { // no box steps out of the rows that there are
         return window_.row(std::clamp(y, first_.y, last_.y), std::clamp(z, first_.z, last_.z));
     };
@@ -106,7 +151,8 @@ void ExitGrower::blockByOccupancy() {
 void ExitGrower::readLists() {
     const glm::ivec3& size = block_.size;
     const std::uint64_t columns = ~std::uint64_t(0) >> (64 - size.x);
-    signatures_.resize(indexOf({0, 0, size.z}));
+    signatures_ = std::make_unique_for_overwrite<std::uint64_t[]>(indexOf({0, 0, size.z}));
+    leafRows_.reserve(static_cast<std::size_t>(size.y * size.z));
     for (int z = 0; z < size.z; ++z)
         for (int y = 0; y < size.y; ++y) {
             const std::uint64_t occupied =
@@ -148,8 +194,9 @@ void ExitGrower::relate(const glm::ivec3& lower, int axis) {
     const ListReader listA(references_ + leafList(*block_.word(lower)));
     const ListReader listB(references_ + leafList(*block_.word(upper)));
     const auto open = [&](const glm::ivec3& from, int face) {
-        const glm::ivec3 voxel = from + block_.first;
-        facesOf(voxel.y, voxel.z)[static_cast<std::size_t>(face)] &= ~(std::uint64_t(1) << voxel.x);
+        const glm::ivec3 place = placeOf(from);
+        FaceRows& row = faces_[static_cast<std::size_t>(place.z * rowsPerSlice() + place.y)];
+        row[static_cast<std::size_t>(face)] &= ~(std::uint64_t(1) << place.x);
     };
     if ((a & ~b) == 0 && isSubset(listA, listB)) open(upper, 2 * axis);
     if ((b & ~a) == 0 && isSubset(listB, listA)) open(lower, 2 * axis + 1);
@@ -162,41 +209,12 @@ void ExitGrower::growAll(const VoxelBlock& block) {
     for (int z = inner.z; z < inner.z + block.size.z; ++z)
         for (int y = inner.y; y < inner.y + block.size.y; ++y) {
             std::uint64_t leaves = leafRows_[static_cast<std::size_t>(z * block_.size.y + y)] & columns;
-            for (; leaves != 0; leaves &= leaves - 1)
-                grow(block_.first + glm::ivec3(std::countr_zero(leaves), y, z));
+            for (; leaves != 0; leaves &= leaves - 1) {
+                const glm::ivec3 voxel(std::countr_zero(leaves), y, z);
+                std::uint32_t& exitBox = references_[leafList(*block_.word(voxel))];
+                exitBox = ExitBox(faces_.get(), rowsPerSlice(), placeOf(voxel)).grow(reach_);
+            }
         }
-}
-
-// Writes the exit box of the leaf at `voxel` of the window.
-void ExitGrower::grow(const glm::ivec3& voxel) {
-    lo_ = hi_ = voxel;
-    std::array<bool, 6> grows{true, true, true, true, true, true};
-    for (int i = 0; i < reach_; ++i) {
-        grows[0] = grows[0] && tryFace<0, 0>();
-        grows[1] = grows[1] && tryFace<0, 1>();
-        grows[2] = grows[2] && tryFace<1, 0>();
-        grows[3] = grows[3] && tryFace<1, 1>();
-        grows[4] = grows[4] && tryFace<2, 0>();
-        grows[5] = grows[5] && tryFace<2, 1>();
-    }
-    references_[leafList(*block_.word(voxel - block_.first))] = freeBoxWord(voxel - lo_, hi_ - voxel);
-}
-
-// Moves the face by one voxel if the box may step over it everywhere.
-template <int kAxis, int kUp>
-bool ExitGrower::tryFace() {
-    glm::ivec3 lo = lo_;
-    glm::ivec3 hi = hi_;
-    lo[kAxis] = hi[kAxis] = kUp ? hi_[kAxis] : lo_[kAxis];
-    std::uint64_t blocked = 0;
-    for (int z = lo.z; z <= hi.z; ++z)
-        for (int y = lo.y; y <= hi.y; ++y) blocked |= facesOf(y, z)[2 * kAxis + kUp];
-    if (blocked & (~std::uint64_t(0) >> (63 - (hi.x - lo.x))) << lo.x) return false;
-    if (kUp)
-        ++hi_[kAxis];
-    else
-        --lo_[kAxis];
-    return true;
 }
 
 } // namespace
