@@ -99,29 +99,34 @@ private:
         return brickWord(offset, shift);
     }
 
-    // Lists the brick's triangles by voxel: cells_ and ids_ in parallel, and how many there are in each
-    // voxel.
+    // A triangle in a voxel of a brick.
+    struct Entry {
+        std::uint32_t cell;
+        std::uint32_t triangle;
+    };
+
+    // Makes entries_ of the brick's triangles and counts them in its voxels' words.
     void binInto(const BrickPlace& place, std::span<const std::uint32_t> list) {
-        const double scale = std::ldexp(1.0, place.level);
-        const glm::uvec3& dims = nesting_.layout.dims;
-        const double pad = padCellsFor(dims, place.level);
-        const glm::dvec3 first(place.first);
-        cells_.clear();
-        ids_.clear();
+        const double pad = padCellsFor(nesting_.layout.dims, place.level);
+        const glm::dvec3 voxelsPerUnit = std::ldexp(1.0, place.level) / glm::dvec3(nesting_.layout.cellSize);
+        const glm::dvec3 first = glm::dvec3(nesting_.layout.gridLo) * voxelsPerUnit + glm::dvec3(place.first);
+        const auto inBrick = [&](const glm::vec4& corner) {
+            return glm::dvec3(corner) * voxelsPerUnit - first;
+        };
+        entries_.clear();
         std::uint32_t* const counts = block_.bricks.data() + place.offset;
         for (std::size_t i = 0; i < list.size(); ++i) {
             if (i + kAhead < list.size()) __builtin_prefetch(&nesting_.triangles[list[i + kAhead]]);
             const std::uint32_t id = list[i];
-            VoxelTriangle t = voxelTriangle(nesting_.triangles[id], nesting_.layout);
-            for (glm::dvec3& corner : t) corner = corner * scale - first;
+            const TriangleRecord& triangle = nesting_.triangles[id];
+            const VoxelTriangle t{inBrick(triangle.v0), inBrick(triangle.v1), inBrick(triangle.v2)};
             forEachVoxelOf(t, glm::uvec3(1u << place.shift), pad, [&](const glm::uvec3& at) {
                 const std::uint32_t cell = (((at.z << place.shift) + at.y) << place.shift) + at.x;
                 ++counts[cell];
-                cells_.push_back(cell);
-                ids_.push_back(id);
+                entries_.push_back({cell, id});
             });
         }
-        nesting_.budget.take(cells_.size());
+        nesting_.budget.take(entries_.size());
     }
 
     void fillBrick(const Pending pending) {
@@ -145,9 +150,9 @@ private:
             end += count;
         }
         lists_.resize(end);
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
-            const std::uint32_t e = ends_[cells_[i]]++;
-            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) = ids_[i];
+        for (const Entry& entry : entries_) {
+            const std::uint32_t e = ends_[entry.cell]++;
+            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) = entry.triangle;
         }
         for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
     }
@@ -162,7 +167,7 @@ private:
         const auto list = std::span(lists_).subspan(voxel.firstInList, voxel.count);
         const bool parted =
             voxel.count < parentCount ||
-            static_cast<double>(cells_.size()) <= kLargestSpread * static_cast<double>(parentCount);
+            static_cast<double>(entries_.size()) <= kLargestSpread * static_cast<double>(parentCount);
         const int shift = parted ? nesting_.cost.shiftFor(list, parent.level) : 0;
         if (shift == 0) {
             const std::uint32_t offset = newLeaf(voxel.count);
@@ -182,7 +187,8 @@ private:
     Block& block_;
     std::vector<Pending> pending_;     // bricks of this voxel of the grid, in the order of bricksOf()
     std::vector<std::uint32_t> lists_; // the triangles of those bricks
-    std::vector<std::uint32_t> cells_, ids_, ends_;
+    std::vector<Entry> entries_;       // of the brick that is being filled
+    std::vector<std::uint32_t> ends_;
     std::vector<Crowded> crowded_;
 };
 
