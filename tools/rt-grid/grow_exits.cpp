@@ -139,13 +139,17 @@ void ExitGrower::blockByOccupancy() {
     faces_ = std::make_unique_for_overwrite<FaceRows[]>(
         static_cast<std::size_t>((last_.z - first_.z + 1) * rowsPerSlice()));
     FaceRows* rows = faces_.get();
-    const auto row = [&](int y, int z) { // no box steps out of the rows that there are
-        return window_.row(std::clamp(y, first_.y, last_.y), std::clamp(z, first_.z, last_.z));
-    };
-    for (int z = first_.z; z <= last_.z; ++z)
+    for (int z = first_.z; z <= last_.z; ++z) {
+        const int below = std::max(z - 1, first_.z); // no box steps out of the rows that there are
+        const int above = std::min(z + 1, last_.z);
         for (int y = first_.y; y <= last_.y; ++y)
-            *rows++ = {row(y, z) << 1, row(y, z) >> 1, row(y - 1, z),
-                       row(y + 1, z),  row(y, z - 1),  row(y, z + 1)};
+            *rows++ = {window_.row(y, z) << 1,
+                       window_.row(y, z) >> 1,
+                       window_.row(std::max(y - 1, first_.y), z),
+                       window_.row(std::min(y + 1, last_.y), z),
+                       window_.row(y, below),
+                       window_.row(y, above)};
+    }
 }
 
 void ExitGrower::readLists() {

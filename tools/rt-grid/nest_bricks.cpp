@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <new>
 #include <sys/mman.h>
+#include <utility>
 
 namespace rt {
 namespace {
@@ -52,13 +53,32 @@ struct Nesting {
     WordBudget& budget;
 };
 
+// Reports words to the budget now and then: threads would wait for one another at every list.
+class WordCount {
+public:
+    explicit WordCount(WordBudget& budget) : budget_(budget) {}
+    void take(std::uint64_t words) {
+        words_ += words;
+        if (words_ >= kWordsPerReport) report();
+    }
+    void report() { budget_.take(std::exchange(words_, 0)); }
+
+private:
+    static constexpr std::uint64_t kWordsPerReport = 4096;
+    WordBudget& budget_;
+    std::uint64_t words_ = 0;
+};
+
 class BlockBuilder {
 public:
-    BlockBuilder(const Nesting& nesting, Block& block) : nesting_(nesting), block_(block) {}
+    BlockBuilder(const Nesting& nesting, Block& block)
+        : nesting_(nesting), block_(block), words_(nesting.budget) {}
+    // To be called after the last voxel.
+    void finish() { words_.report(); }
 
     // Returns the word of a voxel of the grid. `list` must outlive the call only.
     std::uint32_t wordOf(const glm::uvec3& voxel, std::span<const std::uint32_t> list) {
-        nesting_.budget.take(list.size());
+        words_.take(list.size());
         const int shift = list.size() <= nesting_.options.gridLeafSize ? 0 : nesting_.cost.shiftFor(list, 0);
         if (shift == 0) {
             const std::uint32_t offset = newLeaf(list.size());
@@ -83,7 +103,7 @@ private:
     static constexpr std::uint32_t kToBrick = 0x80000000u; // the list goes to lists_, not to references
 
     std::uint32_t newLeaf(std::size_t count) {
-        nesting_.budget.take(kListHeaderWords);
+        words_.take(kListHeaderWords);
         const std::size_t offset = block_.references.size();
         block_.references.resize(offset + kListHeaderWords + count);
         block_.references[offset + 1] = static_cast<std::uint32_t>(count);
@@ -93,7 +113,7 @@ private:
     std::uint32_t newBrick(const glm::ivec3& voxel, int shift, int level, int depth) {
         const auto offset = static_cast<std::uint32_t>(block_.bricks.size());
         const BrickPlace place{offset, shift, level + shift, depth + 1, voxel * (1 << shift)};
-        nesting_.budget.take(place.words());
+        words_.take(place.words());
         block_.bricks.resize(offset + std::size_t(place.words()));
         block_.places.push_back(place);
         return brickWord(offset, shift);
@@ -126,7 +146,7 @@ private:
                 entries_.push_back({cell, id});
             });
         }
-        nesting_.budget.take(entries_.size());
+        words_.take(entries_.size());
     }
 
     void fillBrick(const Pending pending) {
@@ -185,6 +205,7 @@ private:
 
     const Nesting& nesting_;
     Block& block_;
+    WordCount words_;
     std::vector<Pending> pending_;     // bricks of this voxel of the grid, in the order of bricksOf()
     std::vector<std::uint32_t> lists_; // the triangles of those bricks
     std::vector<Entry> entries_;       // of the brick that is being filled
@@ -282,6 +303,7 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
             const glm::uvec3 at(voxel % dims.x, row % dims.y, row / dims.y);
             word = builder.wordOf(at, std::span(grid.references).subspan(list + 1, grid.references[list]));
         }
+        builder.finish();
     });
     Assembly assembly(blocks, nested);
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) { assembly.move(i); });
