@@ -17,8 +17,9 @@ namespace {
 constexpr std::uint32_t kTileWidth = 8;
 constexpr std::uint32_t kTileHeight = 4;
 constexpr float kFar = 1e30f;
-// Part of the largest coordinate by which secondary rays leave the surface: 64 roundings of a float.
-constexpr double kOffset = 0x1p-18;
+// Part of the largest coordinate by which secondary rays leave the surface. Large triangles are off by some roundings of
+// their corners; nearer than this, which of two coplanar ones is hit would be chance.
+constexpr double kOffset = 0x1p-14;
 
 double radiusOf(const Bounds& bounds) {
     return 0.5 * glm::length(glm::dvec3(bounds.hi) - glm::dvec3(bounds.lo));

@@ -151,18 +151,14 @@ std::uint32_t boxFor(const VoxelBlock& block, int openSides, const glm::ivec3& v
 
 // The window shows the block and `margin` voxels round it. openSides: an inherited box must reach beyond the
 // voxel itself on so many sides.
-void growBlock(const VoxelBlock& block, int openSides, const OccupancyWindow& window, int margin,
-               ExitGrower& exits) {
+void growBlock(const VoxelBlock& block, int openSides, const OccupancyWindow& window, int margin) {
     for (int z = 0; z < block.size.z; ++z)
         for (int y = 0; y < block.size.y; ++y) {
             std::uint32_t* const row = block.word({0, y, z});
             const std::uint64_t occupied = window.row(y + margin, z + margin) >> margin;
-            for (int x = 0; x < block.size.x; ++x) {
+            for (int x = 0; x < block.size.x; ++x)
                 if (!(occupied >> x & 1))
                     row[x] = boxFor(block, openSides, {x, y, z}, row + x, window, margin);
-                else if (!isBrick(row[x]))
-                    exits.grow(glm::ivec3(x, y, z) + block.first);
-            }
         }
 }
 
@@ -186,9 +182,11 @@ void growGridTile(const Growth& growth, const glm::ivec3& first) {
     window.show(growth.occupancy, 0, first - kGridMargin, kGridTile + 2 * kGridMargin);
     const int reach = std::min(growth.exitReach, kGridMargin);
     const glm::ivec3 end = first + kGridTile;
-    const VoxelBlock lists = gridBlock(growth, first - reach, end + reach, first - kGridMargin);
-    ExitGrower exits(window, lists, growth.nested.references.data(), reach);
-    growBlock(gridBlock(growth, first, end, first - kGridMargin), kGridOpenSides, window, kGridMargin, exits);
+    const glm::ivec3 around(std::max(reach - 1, 0));
+    const VoxelBlock tile = gridBlock(growth, first, end, first - kGridMargin);
+    const VoxelBlock known = gridBlock(growth, first - around, end + around, first - kGridMargin);
+    growBlock(tile, kGridOpenSides, window, kGridMargin);
+    growExits(window, tile, known, growth.nested.references.data(), reach);
 }
 
 void growBrick(const Growth& growth, const BrickPlace& place) {
@@ -198,8 +196,8 @@ void growBrick(const Growth& growth, const BrickPlace& place) {
     window.show(growth.occupancy, place.level, place.first - margin, side + 2 * margin);
     const VoxelBlock block{growth.nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side,
                            glm::ivec3(margin)};
-    ExitGrower exits(window, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
-    growBlock(block, kOpenSides, window, margin, exits);
+    growBlock(block, kOpenSides, window, margin);
+    growExits(window, block, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
 }
 
 } // namespace

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <new>
 #include <sys/mman.h>
+#include <utility>
 
 namespace rt {
 namespace {
@@ -52,13 +53,32 @@ struct Nesting {
     WordBudget& budget;
 };
 
+// Reports words to the budget now and then: threads would wait for one another at every list.
+class WordCount {
+public:
+    explicit WordCount(WordBudget& budget) : budget_(budget) {}
+    void take(std::uint64_t words) {
+        words_ += words;
+        if (words_ >= kWordsPerReport) report();
+    }
+    void report() { budget_.take(std::exchange(words_, 0)); }
+
+private:
+    static constexpr std::uint64_t kWordsPerReport = 4096;
+    WordBudget& budget_;
+    std::uint64_t words_ = 0;
+};
+
 class BlockBuilder {
 public:
-    BlockBuilder(const Nesting& nesting, Block& block) : nesting_(nesting), block_(block) {}
+    BlockBuilder(const Nesting& nesting, Block& block)
+        : nesting_(nesting), block_(block), words_(nesting.budget) {}
+    // To be called after the last voxel.
+    void finish() { words_.report(); }
 
     // Returns the word of a voxel of the grid. `list` must outlive the call only.
     std::uint32_t wordOf(const glm::uvec3& voxel, std::span<const std::uint32_t> list) {
-        nesting_.budget.take(list.size());
+        words_.take(list.size());
         lists_.assign(list.begin(), list.end());
         lists_.back() &= ~kLastInList;
         const bool isShort = list.size() <= nesting_.options.gridLeafSize || nesting_.options.maxDepth == 0;
@@ -82,7 +102,7 @@ private:
 
     // A leaf whose entries are still 0, but for the mark of the last one.
     std::uint32_t newLeaf(std::size_t count) {
-        nesting_.budget.take(kListHeaderWords);
+        words_.take(kListHeaderWords);
         const std::size_t offset = block_.references.size();
         block_.references.resize(offset + kListHeaderWords + count);
         block_.references.back() = kLastInList;
@@ -98,35 +118,40 @@ private:
     std::uint32_t newBrick(const glm::ivec3& voxel, int shift, int level, int depth) {
         const auto offset = static_cast<std::uint32_t>(block_.bricks.size());
         const BrickPlace place{offset, shift, level + shift, depth + 1, voxel * (1 << shift)};
-        nesting_.budget.take(place.words());
+        words_.take(place.words());
         block_.bricks.resize(offset + std::size_t(place.words()));
         block_.places.push_back(place);
         return brickWord(offset, shift);
     }
 
-    // Lists the brick's triangles by voxel: cells_ and ids_ in parallel, and how many there are in each
-    // voxel.
+    // A triangle in a voxel of a brick.
+    struct Entry {
+        std::uint32_t cell;
+        std::uint32_t triangle;
+    };
+
+    // Makes entries_ of the brick's triangles and counts them in its voxels' words.
     void binInto(const BrickPlace& place, std::span<const std::uint32_t> list) {
-        const double scale = std::ldexp(1.0, place.level);
-        const glm::uvec3& dims = nesting_.layout.dims;
-        const double pad = padCellsFor(dims, place.level);
-        const glm::dvec3 first(place.first);
-        cells_.clear();
-        ids_.clear();
+        const double pad = padCellsFor(nesting_.layout.dims, place.level);
+        const glm::dvec3 voxelsPerUnit = std::ldexp(1.0, place.level) / glm::dvec3(nesting_.layout.cellSize);
+        const glm::dvec3 first = glm::dvec3(nesting_.layout.gridLo) * voxelsPerUnit + glm::dvec3(place.first);
+        const auto inBrick = [&](const glm::vec4& corner) {
+            return glm::dvec3(corner) * voxelsPerUnit - first;
+        };
+        entries_.clear();
         std::uint32_t* const counts = block_.bricks.data() + place.offset;
         for (std::size_t i = 0; i < list.size(); ++i) {
             if (i + kAhead < list.size()) __builtin_prefetch(&nesting_.triangles[list[i + kAhead]]);
             const std::uint32_t id = list[i];
-            VoxelTriangle t = voxelTriangle(nesting_.triangles[id], nesting_.layout);
-            for (glm::dvec3& corner : t) corner = corner * scale - first;
+            const TriangleRecord& triangle = nesting_.triangles[id];
+            const VoxelTriangle t{inBrick(triangle.v0), inBrick(triangle.v1), inBrick(triangle.v2)};
             forEachVoxelOf(t, glm::uvec3(1u << place.shift), pad, [&](const glm::uvec3& at) {
                 const std::uint32_t cell = (((at.z << place.shift) + at.y) << place.shift) + at.x;
                 ++counts[cell];
-                cells_.push_back(cell);
-                ids_.push_back(id);
+                entries_.push_back({cell, id});
             });
         }
-        nesting_.budget.take(cells_.size());
+        words_.take(entries_.size());
     }
 
     void fillBrick(const Pending pending) {
@@ -150,9 +175,9 @@ private:
             end += count;
         }
         lists_.resize(end);
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
-            const std::uint32_t e = ends_[cells_[i]]++;
-            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) |= ids_[i];
+        for (const Entry& entry : entries_) {
+            const std::uint32_t e = ends_[entry.cell]++;
+            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) |= entry.triangle;
         }
         for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
     }
@@ -167,7 +192,7 @@ private:
         const auto list = std::span(lists_).subspan(voxel.firstInList, voxel.count);
         const bool parted =
             voxel.count < parentCount ||
-            static_cast<double>(cells_.size()) <= kLargestSpread * static_cast<double>(parentCount);
+            static_cast<double>(entries_.size()) <= kLargestSpread * static_cast<double>(parentCount);
         const int shift = parted ? nesting_.cost.shiftFor(list, parent.level) : 0;
         if (shift == 0) {
             block_.bricks[parent.offset + voxel.cell] = leafWord(copyLeaf(list));
@@ -183,9 +208,11 @@ private:
 
     const Nesting& nesting_;
     Block& block_;
+    WordCount words_;
     std::vector<Pending> pending_;     // bricks of this voxel of the grid, in the order of bricksOf()
     std::vector<std::uint32_t> lists_; // the triangles of those bricks
-    std::vector<std::uint32_t> cells_, ids_, ends_;
+    std::vector<Entry> entries_;       // of the brick that is being filled
+    std::vector<std::uint32_t> ends_;
     std::vector<Crowded> crowded_;
 };
 
@@ -278,6 +305,7 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
             const glm::uvec3 at(voxel % dims.x, row % dims.y, row / dims.y);
             word = builder.wordOf(at, listAt(grid.references, leafList(word)));
         }
+        builder.finish();
     });
     Assembly assembly(blocks, nested);
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) { assembly.move(i); });

@@ -13,21 +13,31 @@ using VoxelTriangle = std::array<glm::dvec3, 3>;
 
 namespace voxelize {
 
+/// The least whole number that is not below `value`, the largest that is not above it: std::ceil and
+/// std::floor for absolute values up to 2^30, which is quicker.
+inline int wholeAbove(double value) {
+    const auto whole = static_cast<int>(value);
+    return whole + (whole < value);
+}
+inline int wholeBelow(double value) {
+    const auto whole = static_cast<int>(value);
+    return whole - (whole > value);
+}
+
+/// Whole indices from lo to hi, both included; none if lo > hi.
+struct Indices {
+    int lo;
+    int hi;
+};
+
 /// Indices from lo to hi, both included and not yet rounded to whole ones; none if lo > hi.
 struct Range {
     double lo;
     double hi;
 
-    /// The first whole number; lo >= 0 and lo <= 2^30.
-    int first() const {
-        const auto whole = static_cast<int>(lo);
-        return whole + (whole < lo);
-    }
-    /// The last whole number; hi >= -1 and hi <= 2^30.
-    int last() const {
-        const auto whole = static_cast<int>(hi);
-        return whole - (whole > hi);
-    }
+    Range(const Indices& whole) : lo(whole.lo), hi(whole.hi) {}
+    /// Of a range that is not empty, in a range of whole indices.
+    Indices whole() const { return {wholeAbove(lo), wholeBelow(hi)}; }
 };
 
 /// The condition lo <= slope * index + others <= hi, solved for the index. Any condition that the padded
@@ -100,10 +110,12 @@ private:
     std::array<double, 3> normalV_;
 };
 
-/// Indices along `axis` of the voxels, in an endless grid, whose padded extent meets the triangle's.
-inline Range indexRange(const VoxelTriangle& t, int axis, double pad) {
-    return {std::ceil(std::min({t[0][axis], t[1][axis], t[2][axis]}) - pad - 1.0),
-            std::floor(std::max({t[0][axis], t[1][axis], t[2][axis]}) + pad)};
+/// Indices along `axis` of the voxels, in an endless grid, whose padded extent meets the triangle's. Far ones
+/// are as good as at 2^30.
+inline Indices indicesAlong(const VoxelTriangle& t, int axis, double pad) {
+    constexpr double kFar = 0x1p30;
+    return {wholeAbove(std::clamp(std::min({t[0][axis], t[1][axis], t[2][axis]}) - pad - 1.0, -kFar, kFar)),
+            wholeBelow(std::clamp(std::max({t[0][axis], t[1][axis], t[2][axis]}) + pad, -kFar, kFar))};
 }
 
 inline int longestComponent(const glm::dvec3& v) {
@@ -111,63 +123,74 @@ inline int longestComponent(const glm::dvec3& v) {
     return a.z >= a.x && a.z >= a.y ? 2 : a.y >= a.x ? 1 : 0;
 }
 
-template <class Visit>
-void visitIndex(int u, int v, int w, int atU, int atV, int atW, Visit&& visit) {
-    glm::uvec3 index;
-    index[u] = static_cast<unsigned>(atU);
-    index[v] = static_cast<unsigned>(atV);
-    index[w] = static_cast<unsigned>(atW);
-    visit(index);
-}
+/// A triangle, and the voxels that its bounds meet, with the axes turned so that a given one comes last.
+struct Turned {
+    int u, v, w; ///< where the axes 0, 1 and 2 were
+    VoxelTriangle t;
+    std::array<Indices, 3> box;
 
-/// The part of forEachVoxelOf() for triangles that one layer of voxels across `w` holds: in it the
-/// projections along w decide.
+    Turned(const VoxelTriangle& triangle, const std::array<Indices, 3>& indices, int last)
+        : u((last + 1) % 3), v((last + 2) % 3),
+          w(last), t{turn(triangle[0]), turn(triangle[1]), turn(triangle[2])},
+          box{indices[static_cast<std::size_t>(u)], indices[static_cast<std::size_t>(v)],
+              indices[static_cast<std::size_t>(w)]} {}
+
+    glm::dvec3 turn(const glm::dvec3& p) const { return {p[u], p[v], p[w]}; }
+    template <class Visit>
+    void visitIndex(int atU, int atV, int atW, Visit&& visit) const {
+        glm::uvec3 index;
+        index[u] = static_cast<unsigned>(atU);
+        index[v] = static_cast<unsigned>(atV);
+        index[w] = static_cast<unsigned>(atW);
+        visit(index);
+    }
+};
+
+/// The part of forEachVoxelOf() for triangles that one layer of voxels across axis 2 holds: in it the
+/// projections along that axis decide.
 template <class Visit>
-void visitLayer(const VoxelTriangle& t, const std::array<Range, 3>& box, int w, double pad, Visit&& visit) {
-    const int u = (w + 1) % 3;
-    const int v = (w + 2) % 3;
-    const EdgeSlopes edges(t, u, v, pad);
-    for (int atV = box[v].first(), lastV = box[v].last(); atV <= lastV; ++atV) {
-        Range columns = box[u];
+void visitLayer(const Turned& turned, double pad, Visit&& visit) {
+    const EdgeSlopes edges(turned.t, 0, 1, pad);
+    const auto& [boxU, boxV, boxW] = turned.box;
+    for (int atV = boxV.lo; atV <= boxV.hi; ++atV) {
+        Range columns = boxU;
         edges.narrow(columns, atV);
         if (columns.lo > columns.hi) continue;
-        for (int atU = columns.first(), lastU = columns.last(); atU <= lastU; ++atU)
-            visitIndex(u, v, w, atU, atV, box[w].first(), visit);
+        const Indices whole = columns.whole();
+        for (int atU = whole.lo; atU <= whole.hi; ++atU) turned.visitIndex(atU, atV, boxW.lo, visit);
     }
 }
 
-/// The part of forEachVoxelOf() for triangles that no layer of voxels holds. Each of the 13 conditions is
-/// linear in the index, so they are solved for one axis after the other instead of being tried voxel by
-/// voxel: rows along v, columns (u, v) of a row, voxels along w, the axis that the triangle faces, of a
-/// column.
+/// The part of forEachVoxelOf() for triangles that no layer of voxels holds; they face axis 2. Each of the 13
+/// conditions is linear in the index, so they are solved for one axis after the other instead of being tried
+/// voxel by voxel: rows along v, columns (u, v) of a row, voxels along w of a column.
 template <class Visit>
-void visitOverlaps(const VoxelTriangle& t, const std::array<Range, 3>& box, double pad, Visit&& visit) {
-    const glm::dvec3 normal = glm::cross(t[1] - t[0], t[2] - t[0]);
-    const int w = longestComponent(normal);
-    const int u = (w + 1) % 3;
-    const int v = (w + 2) % 3;
+void visitOverlaps(const Turned& turned, const glm::dvec3& normal, double pad, Visit&& visit) {
+    const VoxelTriangle& t = turned.t;
     const double d0 = glm::dot(normal, t[0]); // all three: a sliver's normal is mostly rounding
     const double d1 = glm::dot(normal, t[1]);
     const double d2 = glm::dot(normal, t[2]);
     const Shadow plane(std::min({d0, d1, d2}), std::max({d0, d1, d2}), 0.5 * (normal.x + normal.y + normal.z),
                        (0.5 + pad) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)));
-    const Slope planeAlongW(normal[w], plane.lo, plane.hi);
-    const EdgeSlopes uv(t, u, v, pad);
-    const EdgeSlopes wv(t, w, v, pad);
-    const EdgeSlopes wu(t, w, u, pad);
-    for (int atV = box[v].first(), lastV = box[v].last(); atV <= lastV; ++atV) {
-        Range columns = box[u];
+    const Slope planeAlongW(normal.z, plane.lo, plane.hi);
+    const EdgeSlopes uv(t, 0, 1, pad);
+    const EdgeSlopes wv(t, 2, 1, pad);
+    const EdgeSlopes wu(t, 2, 0, pad);
+    const auto& [boxU, boxV, boxW] = turned.box;
+    for (int atV = boxV.lo; atV <= boxV.hi; ++atV) {
+        Range columns = boxU;
         uv.narrow(columns, atV);
-        Range rowDepths = box[w];
+        Range rowDepths = boxW;
         wv.narrow(rowDepths, atV);
         if (rowDepths.lo > rowDepths.hi || columns.lo > columns.hi) continue;
-        for (int atU = columns.first(), lastU = columns.last(); atU <= lastU; ++atU) {
+        const Indices wholeColumns = columns.whole();
+        for (int atU = wholeColumns.lo; atU <= wholeColumns.hi; ++atU) {
             Range depths = rowDepths;
-            planeAlongW.narrow(depths, normal[u] * atU + normal[v] * atV);
+            planeAlongW.narrow(depths, normal.x * atU + normal.y * atV);
             wu.narrow(depths, atU);
             if (depths.lo > depths.hi) continue;
-            for (int atW = depths.first(), lastW = depths.last(); atW <= lastW; ++atW)
-                visitIndex(u, v, w, atU, atV, atW, visit);
+            const Indices whole = depths.whole();
+            for (int atW = whole.lo; atW <= whole.hi; ++atW) turned.visitIndex(atU, atV, atW, visit);
         }
     }
 }
@@ -182,22 +205,26 @@ void visitOverlaps(const VoxelTriangle& t, const std::array<Range, 3>& box, doub
 template <class Visit>
 void forEachVoxelOf(const VoxelTriangle& triangle, const glm::uvec3& dims, double pad, Visit&& visit) {
     using namespace voxelize;
-    std::array<Range, 3> box;
+    std::array<Indices, 3> box;
     int longAxes = 0;
     int shortAxis = 0;
     for (int axis = 0; axis < 3; ++axis) {
-        const Range whole = indexRange(triangle, axis, pad);
+        const Indices whole = indicesAlong(triangle, axis, pad);
         const bool isLong = whole.lo < whole.hi;
         longAxes += isLong;
         if (!isLong) shortAxis = axis;
-        box[axis] = {std::max(whole.lo, 0.0), std::min(whole.hi, dims[axis] - 1.0)};
+        box[axis] = {std::max(whole.lo, 0), std::min(whole.hi, static_cast<int>(dims[axis]) - 1)};
         if (box[axis].lo > box[axis].hi) return;
     }
-    if (longAxes == 3) return visitOverlaps(triangle, box, pad, visit);
-    if (longAxes == 2) return visitLayer(triangle, box, shortAxis, pad, visit);
-    for (int z = box[2].first(); z <= box[2].last(); ++z) // inside one row: every voxel between its ends
-        for (int y = box[1].first(); y <= box[1].last(); ++y)
-            for (int x = box[0].first(); x <= box[0].last(); ++x) visitIndex(0, 1, 2, x, y, z, visit);
+    if (longAxes == 3) {
+        const glm::dvec3 normal = glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+        const Turned turned(triangle, box, longestComponent(normal));
+        return visitOverlaps(turned, turned.turn(normal), pad, visit);
+    }
+    if (longAxes == 2) return visitLayer(Turned(triangle, box, shortAxis), pad, visit);
+    for (int z = box[2].lo; z <= box[2].hi; ++z) // inside one row: every voxel between its ends
+        for (int y = box[1].lo; y <= box[1].hi; ++y)
+            for (int x = box[0].lo; x <= box[0].hi; ++x) visit(glm::uvec3(x, y, z));
 }
 
 } // namespace rt
