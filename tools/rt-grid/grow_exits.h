@@ -8,7 +8,7 @@ namespace rt {
 /// Gives the lists of a block's leaves their exit boxes: see atlas.shared.h. A box grows over voxels that are
 /// empty, and from one leaf to the next where that lists nothing new. Only lists of the block `known`, which
 /// holds the other block, are read, so that lists beyond a brick stop boxes: to look them up too takes
-/// several times as long for a twentieth of the gain. Boxes reach up to `reach` voxels beyond the leaf, at
+/// longer than all the rest, for a tenth of the gain. Boxes reach up to `reach` voxels beyond the leaf, at
 /// most 31; the window shows so many round the block, and `known` goes less far beyond it.
 /// Source: the expanded cells of Perard-Gayot, Kalojanov & Slusallek 2017, "GPU Ray Tracing using Irregular
 /// Grids".
