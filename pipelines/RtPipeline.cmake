@@ -3,7 +3,7 @@
 # output did not change does not run those after it.
 #
 #   rt_add_scene(NAME MODEL file [ARGS ...])                                                NAME.rtmesh
-#   rt_add_atlas(NAME SCENE scene STRUCTURE uniform|cloud|nested [RESOLUTION r] [ARGS ...]) NAME.rtatlas
+#   rt_add_atlas(NAME SCENE scene [STRUCTURE s] [QUALITY q] [RESOLUTION r] [ARGS ...]) NAME.rtatlas
 #   rt_add_render(NAME ATLAS atlas SIZE WxH [ARGS ...])                                     NAME.exr, NAME.png
 #   rt_add_comparison(NAME A render B render MAX_RMSE x [ARGS ...])                         fails if they differ
 cmake_minimum_required(VERSION 3.25)
@@ -50,15 +50,18 @@ function(rt_add_scene name)
 endfunction()
 
 function(rt_add_atlas name)
-    _rt_parse("SCENE;STRUCTURE;RESOLUTION" "SCENE;STRUCTURE" ${ARGN})
+    _rt_parse("SCENE;STRUCTURE;QUALITY;RESOLUTION" "SCENE" ${ARGN})
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
     set(mesh ${CMAKE_CURRENT_BINARY_DIR}/${ARG_SCENE}.rtmesh)
-    if(ARG_RESOLUTION)
-        list(PREPEND ARG_ARGS --resolution ${ARG_RESOLUTION})
-    endif()
+    foreach(option IN ITEMS STRUCTURE QUALITY RESOLUTION)
+        if(ARG_${option})
+            string(TOLOWER ${option} flag)
+            list(PREPEND ARG_ARGS --${flag} ${ARG_${option}})
+        endif()
+    endforeach()
     add_custom_command(
         OUTPUT ${base}.rtatlas ${base}.json
-        COMMAND ${RT_GRID} ${mesh} -o ${base}.rtatlas --structure ${ARG_STRUCTURE} --json ${base}.json ${ARG_ARGS}
+        COMMAND ${RT_GRID} ${mesh} -o ${base}.rtatlas --json ${base}.json ${ARG_ARGS}
         DEPENDS ${mesh} ${RT_GRID}
         COMMENT "Gridding ${name}" JOB_POOL rt_tools VERBATIM)
     add_custom_target(${name} ALL DEPENDS ${base}.rtatlas ${base}.json)

@@ -1,8 +1,7 @@
-// The rows of a matrix that shears space so that the ray runs along the third axis at unit speed: x and y are 0 on it.
+// The first two rows of a matrix that shears space so that the ray runs along the third axis: 0 on the ray.
 struct RayShear {
     vec3 x;
     vec3 y;
-    vec3 z;
 };
 
 RayShear shearAlong(vec3 direction) {
@@ -13,7 +12,7 @@ RayShear shearAlong(vec3 direction) {
     vec3 first = main.yzx;
     vec3 second = main.zxy;
     float inverse = 1.0f / dot(main, direction);
-    return RayShear(first - main * (dot(first, direction) * inverse), second - main * (dot(second, direction) * inverse), main * inverse);
+    return RayShear(first - main * (dot(first, direction) * inverse), second - main * (dot(second, direction) * inverse));
 }
 
 // The same for the same vector wherever it stands: a compiler that fused the terms now this way, now that, would open cracks.
@@ -47,7 +46,9 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
     float area = u + v + w;
     if (area == 0.0f) return best; // edge-on: its neighbours are hit
     float inverse = 1.0f / area;
-    float t = (u * dot(shear.z, a) + v * dot(shear.z, b) + w * dot(shear.z, c)) * inverse;
+    // From the plane: a ray that leaves the triangle next to it keeps its side, which u, v and w of far corners would blur.
+    vec3 normal = cross(triangle.v1.xyz - triangle.v0.xyz, triangle.v2.xyz - triangle.v0.xyz);
+    float t = dot(normal, a) / dot(normal, ray.direction);
     uint id = floatBitsToUint(triangle.v0.w);
     bool nearer = t < best.t || (t == best.t && id < best.triangle);
     if (t >= ray.tMin && nearer) return Hit(t, v * inverse, w * inverse, id);

@@ -21,28 +21,25 @@ void countTriangles(benchmark::State& state) {
         benchmark::Counter(triangles, benchmark::Counter::kIsIterationInvariantRate);
 }
 
-void buildStructure(benchmark::State& state, std::uint32_t structure, double voxelsPerTriangle) {
-    BuildOptions options;
-    options.structure = structure;
-    options.resolution.voxelsPerTriangle = voxelsPerTriangle;
+void build(benchmark::State& state, const BuildOptions& options) {
     for (auto _ : state) {
         StageTimer timer;
-        const Atlas atlas = buildAtlas(scene(), "scene", options, timer);
-        benchmark::DoNotOptimize(atlas.voxels.data());
+        const BuiltAtlas built = buildAtlas(scene(), "scene", options, timer);
+        benchmark::DoNotOptimize(built.atlas.voxels.data());
     }
     countTriangles(state);
 }
 
-void buildUniform(benchmark::State& state) {
-    buildStructure(state, kStructureUniform, kUniformVoxelsPerTriangle);
+void buildStructure(benchmark::State& state, std::uint32_t structure) {
+    BuildOptions options;
+    options.structure = structure;
+    build(state, options);
 }
 
-void buildCloud(benchmark::State& state) {
-    buildStructure(state, kStructureCloud, kCloudVoxelsPerTriangle);
-}
-
-void buildNested(benchmark::State& state) {
-    buildStructure(state, kStructureNested, kNestedVoxelsPerTriangle);
+void buildAuto(benchmark::State& state, Quality quality) {
+    BuildOptions options;
+    options.quality = quality;
+    build(state, options);
 }
 
 void buildEmbree(benchmark::State& state) {
@@ -56,10 +53,23 @@ void buildEmbree(benchmark::State& state) {
     countTriangles(state);
 }
 
-BENCHMARK(buildUniform)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
-BENCHMARK(buildCloud)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
-BENCHMARK(buildNested)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
-BENCHMARK(buildEmbree)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
+template <class F, class... Arguments>
+void add(const char* name, F* function, Arguments... arguments) {
+    benchmark::RegisterBenchmark(name, [=](benchmark::State& state) { function(state, arguments...); })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime()
+        ->MeasureProcessCPUTime();
+}
+
+void addAll() {
+    add("uniform", buildStructure, kStructureUniform);
+    add("cloud", buildStructure, kStructureCloud);
+    add("octant", buildStructure, kStructureOctant);
+    add("auto, fast", buildAuto, Quality::fast);
+    add("auto, balanced", buildAuto, Quality::balanced);
+    add("auto, best", buildAuto, Quality::best);
+    add("Embree, high quality", buildEmbree);
+}
 
 } // namespace
 } // namespace rt
@@ -67,6 +77,7 @@ BENCHMARK(buildEmbree)->Unit(benchmark::kMillisecond)->UseRealTime()->MeasurePro
 int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (argc > 1) rt::scene() = rt::readMesh(argv[1]);
+    rt::addAll();
     benchmark::RunSpecifiedBenchmarks();
     return 0;
 }

@@ -17,8 +17,8 @@ namespace {
 constexpr std::uint32_t kTileWidth = 8;
 constexpr std::uint32_t kTileHeight = 4;
 constexpr float kFar = 1e30f;
-// Part of the largest coordinate by which secondary rays leave the surface. Large triangles are off by some roundings of
-// their corners; nearer than this, which of two coplanar ones is hit would be chance.
+// Part of the largest coordinate by which secondary rays leave the surface. Large triangles are off by some
+// roundings of their corners; nearer than this, which of two coplanar ones is hit would be chance.
 constexpr double kOffset = 0x1p-14;
 
 double radiusOf(const Bounds& bounds) {

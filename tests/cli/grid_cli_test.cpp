@@ -106,7 +106,9 @@ TEST_F(GridCli, vdbPrintReadsTheVoxels) {
     if (!std::filesystem::exists("/usr/bin/vdb_print")) GTEST_SKIP() << "vdb_print is not installed";
     writeMesh(mesh(), moved(makeSphere(3), 3.0f, glm::vec3(100.0f, 0.0f, 0.0f)));
     const std::string vdb = folder_.file("scene.vdb");
-    ASSERT_EQ(grid({mesh(), "-o", atlas(), "--resolution", "20x30x40", "--vdb", vdb}).exitCode, 0);
+    ASSERT_EQ(grid({mesh(), "-o", atlas(), "--structure", "cloud", "--resolution", "20x30x40", "--vdb", vdb})
+                  .exitCode,
+              0);
     const Atlas built = readAtlas(atlas()).atlas;
     const CommandResult print = runCommand({"/usr/bin/vdb_print", "-l", vdb});
     ASSERT_EQ(print.exitCode, 0) << print.err;

@@ -112,10 +112,10 @@ TEST_F(Pipeline, AFailingComparisonFailsEveryRunUntilItPasses) {
 TEST_F(Pipeline, AWrongCallIsRefusedWhenItIsConfigured) {
     write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
                             "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n"
-                            "rt_add_atlas(uniform SCENE scene)\n");
+                            "rt_add_atlas(uniform STRUCTURE uniform)\n");
     const CommandResult result = configure();
     EXPECT_NE(result.exitCode, 0);
-    EXPECT_THAT(result.err, HasSubstr("STRUCTURE is missing"));
+    EXPECT_THAT(result.err, HasSubstr("SCENE is missing"));
 }
 
 } // namespace

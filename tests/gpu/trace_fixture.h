@@ -27,7 +27,7 @@ inline Atlas makeAtlas(const Mesh& mesh, std::uint32_t structure, glm::uvec3 dim
     options.structure = structure;
     options.resolution.exact = dims;
     StageTimer timer;
-    return buildAtlas({mesh, 0}, "mesh", options, timer);
+    return buildAtlas({mesh, 0}, "mesh", options, timer).atlas;
 }
 
 struct QuerySettings {

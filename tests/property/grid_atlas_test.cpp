@@ -28,9 +28,10 @@ std::vector<Case> cases() {
 
 Atlas build(const Mesh& mesh, const glm::uvec3& dims) {
     BuildOptions options;
+    options.structure = kStructureCloud;
     options.resolution.exact = dims;
     StageTimer timer;
-    return buildAtlas(MeshFile{mesh, 0}, "mesh", options, timer);
+    return buildAtlas(MeshFile{mesh, 0}, "mesh", options, timer).atlas;
 }
 
 std::size_t voxelIndex(const Atlas& atlas, const glm::ivec3& v) {

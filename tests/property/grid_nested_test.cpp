@@ -36,7 +36,7 @@ Atlas build(const Mesh& mesh, const glm::uvec3& dims, const NestOptions& nest = 
     options.structure = kStructureNested;
     options.resolution.exact = dims;
     StageTimer timer;
-    Atlas atlas = buildAtlas(MeshFile{mesh, 0}, "mesh", options, timer);
+    Atlas atlas = buildAtlas(MeshFile{mesh, 0}, "mesh", options, timer).atlas;
     validate(atlas, "atlas");
     return atlas;
 }
@@ -240,7 +240,7 @@ TEST(GridNested, listsStayShortWhereBricksCanPartTriangles) {
         if (cell.word & kOccupiedBit) longest = std::max(longest, listOf(stadium, cell.word).size());
         finest = std::max(finest, cell.level);
     }
-    EXPECT_LE(longest, 3u * kDefaultLeafSize); // of 512
+    EXPECT_LE(longest, 3u * NestOptions().leafSize); // of 512
     EXPECT_GE(finest, 7);
 }
 

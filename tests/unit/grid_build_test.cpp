@@ -27,7 +27,7 @@ BuildOptions optionsFor(std::uint32_t structure, const glm::uvec3& dims) {
 
 Atlas build(const Mesh& mesh, const BuildOptions& options) {
     StageTimer timer;
-    return buildAtlas(MeshFile{mesh, 77}, "mesh", options, timer);
+    return buildAtlas(MeshFile{mesh, 77}, "mesh", options, timer).atlas;
 }
 
 #ifdef __SANITIZE_ADDRESS__

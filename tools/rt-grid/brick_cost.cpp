@@ -9,7 +9,6 @@ namespace {
 
 constexpr std::size_t kLargestSample = 12; // triangles of a list that are looked at
 constexpr double kLongList = 400.0;        // triangles times 2^level from which on words are cheap
-constexpr double kReferencesPerLeaf = 3.0; // what bricks of statues and interiors come to
 
 struct Cost {
     double work; // steps and tests of a ray, a test counted like a step
@@ -40,7 +39,7 @@ Spread Spread::of(const TriangleRecord& triangle, const glm::vec3& voxelsPerUnit
     return {share, share * edges, share * area};
 }
 
-int BrickCost::shiftFor(std::span<const std::uint32_t> list, int level) const {
+Spread BrickCost::spreadOf(std::span<const std::uint32_t> list, int level) const {
     const glm::vec3 voxelsPerUnit = cellsPerUnit_ * std::ldexp(1.0f, level);
     const std::size_t stride = (list.size() + kLargestSample - 1) / kLargestSample;
     Spread spread;
@@ -52,7 +51,12 @@ int BrickCost::shiftFor(std::span<const std::uint32_t> list, int level) const {
     }
     const auto count = static_cast<float>(list.size());
     const float perSample = count / (spread.corners + spread.edges + spread.area);
-    spread = {spread.corners * perSample, spread.edges * perSample, spread.area * perSample};
+    return {spread.corners * perSample, spread.edges * perSample, spread.area * perSample};
+}
+
+int BrickCost::shiftFor(std::span<const std::uint32_t> list, int level) const {
+    const Spread spread = spreadOf(list, level);
+    const auto count = static_cast<float>(list.size());
     // Of all rays in the scene 4^-level meet a voxel, but people look at where the detail is. Half the
     // exponent does well indoors and for a teapot in a stadium; a long list gets its few words per triangle
     // however deep it is.

@@ -18,8 +18,43 @@ ReferenceLimit checkLimits(const Mesh& mesh, const std::string& name, const Grid
     return checkLimits(name, size, options.memory);
 }
 
-VoxelWords flatVoxels(CellRefs refs, const BuildOptions& options, const glm::uvec3& dims, StageTimer& timer) {
-    if (options.structure == kStructureCloud) {
+// Lays out the grid with which `structure` begins, and lists its voxels' triangles.
+class Binning {
+public:
+    Binning(const Mesh& mesh, const std::string& name, const BuildOptions& options,
+            const QualityPreset& preset, GridStages& stages)
+        : mesh_(mesh), name_(name), options_(options), preset_(preset), stages_(stages),
+          bounds_(gridBounds(stages.triangles)) {}
+
+    CellRefs run(std::uint32_t structure) {
+        ResolutionRequest request = options_.resolution;
+        if (request.voxelsPerTriangle == 0.0)
+            request.voxelsPerTriangle = preset_.voxelsPerTriangle(structure);
+        const glm::uvec3 dims = chooseResolution(bounds_.extent(), mesh_.triangles.size(), request);
+        stages_.layout = placeGrid(bounds_, dims);
+        limit_ = checkLimits(mesh_, name_, stages_, options_);
+        return binTriangles(stages_.triangles, stages_.layout, limit_);
+    }
+    const ReferenceLimit& limit() const { return limit_; }
+    // How many voxels an octant structure would have for each of a nested one's.
+    double octantVoxels() const {
+        const ResolutionRequest& asked = options_.resolution;
+        const bool isGiven = asked.voxelsPerTriangle > 0.0 || asked.longestSide > 0 || asked.exact.x > 0;
+        return isGiven ? 1.0 : preset_.octantVoxelsPerTriangle / preset_.nestedVoxelsPerTriangle;
+    }
+
+private:
+    const Mesh& mesh_;
+    const std::string& name_;
+    const BuildOptions& options_;
+    const QualityPreset& preset_;
+    GridStages& stages_;
+    BoundsD bounds_;
+    ReferenceLimit limit_;
+};
+
+VoxelWords flatVoxels(CellRefs refs, std::uint32_t structure, const glm::uvec3& dims, StageTimer& timer) {
+    if (structure == kStructureCloud) {
         timer.begin("proximity");
         refs.voxels = growProximity(std::move(refs.voxels), dims);
     }
@@ -27,10 +62,9 @@ VoxelWords flatVoxels(CellRefs refs, const BuildOptions& options, const glm::uve
 }
 
 // An octant structure is a nested one without bricks.
-VoxelWords boxedVoxels(CellRefs refs, const GridStages& stages, const BuildOptions& options,
+VoxelWords boxedVoxels(CellRefs refs, std::uint32_t structure, const GridStages& stages, NestOptions nest,
                        const ReferenceLimit& limit, StageTimer& timer) {
-    NestOptions nest = options.nest;
-    if (options.structure == kStructureOctant) nest.maxDepth = 0;
+    if (structure == kStructureOctant) nest.maxDepth = 0;
     timer.begin("nest");
     NestedVoxels nested = nestBricks(std::move(refs), stages.triangles, stages.layout, nest, limit);
     timer.begin("boxes");
@@ -41,26 +75,32 @@ VoxelWords boxedVoxels(CellRefs refs, const GridStages& stages, const BuildOptio
 
 } // namespace
 
-Atlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildOptions& options,
-                 StageTimer& timer) {
+BuiltAtlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildOptions& options,
+                      StageTimer& timer) {
     const Mesh& mesh = meshFile.mesh;
+    QualityPreset preset = presetOf(options.quality);
+    if (options.nest) preset.nest = *options.nest;
     GridStages stages;
     timer.begin("rebase");
     stages.rebase = chooseRebase(boundsOf(mesh));
     stages.triangles = rebaseTriangles(mesh, stages.rebase);
-    const BoundsD bounds = gridBounds(stages.triangles);
-    const glm::uvec3 dims = chooseResolution(bounds.extent(), mesh.triangles.size(), options.resolution);
-    stages.layout = placeGrid(bounds, dims);
     if (showsImages(mesh)) stages.pages = placeImages(mesh.images, name);
-    const ReferenceLimit limit = checkLimits(mesh, name, stages, options);
     timer.begin("bin");
-    CellRefs refs = binTriangles(stages.triangles, stages.layout, limit);
-    stages.words = hasBoxes(options.structure) ? boxedVoxels(std::move(refs), stages, options, limit, timer)
-                                               : flatVoxels(std::move(refs), options, dims, timer);
+    Binning binning(mesh, name, options, preset, stages);
+    std::uint32_t structure = options.structure.value_or(kStructureNested);
+    CellRefs refs = binning.run(structure);
+    std::optional<StructureChoice> choice;
+    if (!options.structure) {
+        choice = chooseStructure(refs, stages.triangles, stages.layout, preset.nest, binning.octantVoxels());
+        if (choice->structure != structure) refs = binning.run(structure = choice->structure);
+    }
+    stages.words = hasBoxes(structure)
+                       ? boxedVoxels(std::move(refs), structure, stages, preset.nest, binning.limit(), timer)
+                       : flatVoxels(std::move(refs), structure, stages.layout.dims, timer);
     timer.begin("pack");
-    Atlas atlas = packAtlas(meshFile, options.structure, std::move(stages));
+    Atlas atlas = packAtlas(meshFile, structure, std::move(stages));
     timer.end();
-    return atlas;
+    return {std::move(atlas), choice};
 }
 
 } // namespace rt

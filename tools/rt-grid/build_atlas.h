@@ -3,24 +3,32 @@
 #include "formats/atlas.h"
 #include "formats/mesh_file.h"
 #include "tools/rt-grid/choose_resolution.h"
+#include "tools/rt-grid/choose_structure.h"
 #include "tools/rt-grid/limits.h"
-#include "tools/rt-grid/nest_bricks.h"
+#include "tools/rt-grid/quality.h"
 
+#include <optional>
 #include <string>
 
 namespace rt {
 
 struct BuildOptions {
-    std::uint32_t structure = kStructureCloud;
+    std::optional<std::uint32_t> structure; ///< nothing: as the scene's statistics favour
+    Quality quality = Quality::balanced;
     ResolutionRequest resolution;
-    NestOptions nest; ///< for kStructureNested
+    std::optional<NestOptions> nest; ///< instead of the quality's
     MemoryLimit memory = defaultMemoryLimit();
     bool vdb = false; ///< memory for a VDB file counts too
 };
 
+struct BuiltAtlas {
+    Atlas atlas;
+    std::optional<StructureChoice> choice; ///< where the structure was not given
+};
+
 /// Builds the atlas of a mesh; its stages appear in `timer`. `name` prefixes messages. The result depends on
 /// the mesh and the options only. Throws Error{LimitExceeded}; see limits.h.
-Atlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildOptions& options,
-                 StageTimer& timer);
+BuiltAtlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildOptions& options,
+                      StageTimer& timer);
 
 } // namespace rt

@@ -5,9 +5,6 @@
 
 namespace rt {
 
-inline constexpr double kUniformVoxelsPerTriangle = 4.0; ///< a plain walk pays for every voxel it crosses
-inline constexpr double kCloudVoxelsPerTriangle =
-    16.0; ///< leaps make empty voxels cheap: fewer triangle tests win
 inline constexpr unsigned kMaxAutomaticSide = 1024;
 inline constexpr unsigned kMaxRequestedSide = 65536;
 inline constexpr double kMaxAutomaticVoxels = 1u << 28;
@@ -16,7 +13,7 @@ inline constexpr double kMaxAutomaticVoxels = 1u << 28;
 struct ResolutionRequest {
     glm::uvec3 exact{0u};
     unsigned longestSide = 0;
-    double voxelsPerTriangle = kCloudVoxelsPerTriangle;
+    double voxelsPerTriangle = 0.0; ///< 0: as the quality has it for the structure
 };
 
 /// Returns the voxels per axis for a box of the given extents (all > 0).

@@ -18,7 +18,7 @@ int gridMain(int argc, const char* const* argv) {
     StageTimer timer;
     timer.begin("read");
     const MeshFile mesh = readMesh(options->meshPath);
-    const Atlas atlas = buildAtlas(mesh, options->meshPath, options->build, timer);
+    const auto [atlas, choice] = buildAtlas(mesh, options->meshPath, options->build, timer);
     std::string vdb;
     if (!options->vdbPath.empty()) {
         timer.begin("vdb");
@@ -28,7 +28,7 @@ int gridMain(int argc, const char* const* argv) {
     writeAtlas(options->atlasPath, atlas);
     if (!options->vdbPath.empty()) writeFile(options->vdbPath, vdb);
     timer.end();
-    const GridReport report{*options, atlas, timer};
+    const GridReport report{*options, atlas, choice, timer};
     if (!options->common.jsonPath.empty()) writeJson(options->common.jsonPath, jsonOf(report));
     logInfo(summaryOf(report));
     logStages(timer);

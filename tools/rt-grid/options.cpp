@@ -15,56 +15,52 @@
 namespace rt {
 namespace {
 
+constexpr const char* kAuto = "auto";
+constexpr std::array kQualities{"fast", "balanced", "best"}; // as the enumerators of Quality
+
 // Options as they are typed; readRaw() turns them into BuildOptions.
 struct RawOptions {
-    std::string structure = "cloud";
+    std::string structure = kAuto;
+    std::string quality = "balanced";
     std::string resolution;
     double density = 0.0;
+    std::optional<unsigned> leafSize;
     std::string maxMemory;
 };
 
-struct StructureChoice {
-    const char* name;
-    std::uint32_t kind;
-    double voxelsPerTriangle; // where neither --density nor --resolution says otherwise
-};
-constexpr std::array<StructureChoice, 4> kStructures{
-    {{"uniform", kStructureUniform, kUniformVoxelsPerTriangle},
-     {"cloud", kStructureCloud, kCloudVoxelsPerTriangle},
-     {"octant", kStructureOctant, kCloudVoxelsPerTriangle},
-     {"nested", kStructureNested, kNestedVoxelsPerTriangle}}};
+const char* const kDescription =
+    "Builds the acceleration structure of a .rtmesh and writes it, with all that rendering needs, as a "
+    ".rtatlas.\n"
+    "The defaults suit all scenes that were measured. Touch --quality to trade memory and build time for "
+    "speed; the other\n"
+    "options below are for experiments, or where a scene does not fit into memory.";
 
-const char* const kDescription = "Builds the acceleration structure of a .rtmesh and writes it, with all "
-                                 "that rendering needs, as a .rtatlas.\n"
-                                 "The defaults suit most scenes. Touch --resolution or --density to trade "
-                                 "memory for speed: twice the density is\n"
-                                 "twice the voxels and fewer triangle tests per ray. A small object in a "
-                                 "large scene wants nested.";
-
-void declareDensity(CLI::App& app, GridOptions& options, RawOptions& raw) {
+void declareDensity(CLI::App& app, RawOptions& raw) {
     auto* resolution =
         app.add_option("--resolution", raw.resolution,
                        fmt::format("N voxels along the longest side and cubic voxels (at least 1 on every "
                                    "axis), or exactly X by Y by Z; up to {} on an axis, 2^29 in all",
                                    kMaxRequestedSide))
             ->type_name("N|XxYxZ");
+    const QualityPreset preset = presetOf(Quality::balanced);
     app.add_option(
            "--density", raw.density,
-           fmt::format("Voxels per triangle, when there is no --resolution; about {} per triangle "
-                       "for uniform, {} for "
-                       "cloud and {} for nested, bricks not counted, if not given; up to {} on an axis",
-                       kUniformVoxelsPerTriangle, kCloudVoxelsPerTriangle, kNestedVoxelsPerTriangle,
-                       kMaxAutomaticSide))
+           fmt::format("Voxels per triangle, when there is no --resolution; if not given, {} for "
+                       "uniform, {} for cloud and octant and {} for nested, bricks not counted, up to "
+                       "{} on an axis. Raise it where reports show many tests per ray",
+                       preset.uniformVoxelsPerTriangle, preset.cloudVoxelsPerTriangle,
+                       preset.nestedVoxelsPerTriangle, kMaxAutomaticSide))
         ->check(CLI::Range(1e-6, 1e9))
         ->excludes(resolution)
         ->type_name("D");
     app.add_option(
-           "--leaf-size", options.build.nest.leafSize,
-           "nested only: triangles that a voxel of a brick may list before it becomes a brick itself. Lower "
-           "it for fewer triangle tests and more memory")
+           "--leaf-size", raw.leafSize,
+           fmt::format(
+               "nested only: triangles that a voxel of a brick may list before it may become a brick "
+               "itself; {} if not given, {} for best. Lower it for fewer triangle tests and more memory",
+               preset.nest.leafSize, presetOf(Quality::best).nest.leafSize))
         ->check(CLI::Range(1, 1000000))
-        ->type_name("N")
-        ->capture_default_str();
+        ->type_name("N");
 }
 
 void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
@@ -76,12 +72,17 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
         ->required()
         ->type_name("scene.rtatlas");
     app.add_option("--structure", raw.structure,
-                   "cloud (default): empty voxels know how far rays may leap; nested: crowded voxels hold "
-                   "finer ones, "
-                   "for triangles of very different density; uniform: plain grid, for comparisons")
-        ->check(CLI::IsMember({"uniform", "cloud", "octant", "nested"}))
-        ->type_name("uniform|cloud|octant|nested");
-    declareDensity(app, options, raw);
+                   "auto (default): nested or octant, whichever should cost a ray less; nested: crowded "
+                   "voxels hold finer ones; octant: empty voxels know how far rays may leap to each side; "
+                   "cloud: they know one distance for all sides; uniform: plain grid, for comparisons")
+        ->check(CLI::IsMember({kAuto, "uniform", "cloud", "octant", "nested"}))
+        ->type_name("auto|uniform|cloud|octant|nested");
+    app.add_option("--quality", raw.quality,
+                   "balanced (default); best: up to a third more rays per second for two to four times the "
+                   "memory and build time; fast: the smallest file and shortest build")
+        ->check(CLI::IsMember({kQualities[0], kQualities[1], kQualities[2]}))
+        ->type_name("fast|balanced|best");
+    declareDensity(app, raw);
     app.add_option(
            "--max-memory", raw.maxMemory,
            fmt::format(
@@ -96,12 +97,16 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
 
 void readRaw(const RawOptions& raw, GridOptions& options) {
     BuildOptions& build = options.build;
-    const StructureChoice& choice =
-        *std::find_if(kStructures.begin(), kStructures.end(),
-                      [&](const StructureChoice& s) { return raw.structure == s.name; });
-    build.structure = choice.kind;
+    for (const std::uint32_t kind : {kStructureUniform, kStructureCloud, kStructureOctant, kStructureNested})
+        if (raw.structure == structureName(kind)) build.structure = kind;
+    build.quality = static_cast<Quality>(std::find(kQualities.begin(), kQualities.end(), raw.quality) -
+                                         kQualities.begin());
     if (std::isnan(raw.density)) throw Error(ErrorKind::Usage, "--density: nan is not a number of voxels");
-    build.resolution.voxelsPerTriangle = raw.density > 0.0 ? raw.density : choice.voxelsPerTriangle;
+    build.resolution.voxelsPerTriangle = raw.density;
+    if (raw.leafSize) {
+        build.nest = presetOf(build.quality).nest;
+        build.nest->leafSize = *raw.leafSize;
+    }
     if (!raw.resolution.empty()) parseResolution(raw.resolution, build.resolution);
     if (!raw.maxMemory.empty()) build.memory = {parseByteSize(raw.maxMemory, "--max-memory"), "--max-memory"};
     build.vdb = !options.vdbPath.empty();

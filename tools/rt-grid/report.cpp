@@ -72,6 +72,18 @@ std::uint64_t forecastMemoryBytes(const GridReport& report) {
     return forecastBytes(size) + words * kBytesPerReference;
 }
 
+// Why auto chose as it did.
+std::string whyOf(const std::optional<StructureChoice>& choice) {
+    if (!choice) return "";
+    return fmt::format("auto: a ray should cost {:.1f} triangle tests with nested and {:.1f} "
+                       "with octant, steps included; ",
+                       choice->nested.cost(), choice->octant.cost());
+}
+
+nlohmann::json jsonOf(const WorkForecast& work) {
+    return {{"steps", work.steps}, {"tests", work.tests}, {"cost", work.cost()}};
+}
+
 } // namespace
 
 double buildMs(const StageTimer& timer) {
@@ -84,13 +96,14 @@ double buildMs(const StageTimer& timer) {
 std::string summaryOf(const GridReport& report) {
     const Atlas& atlas = report.atlas;
     const glm::uvec4& dims = atlas.grid.dims;
-    return fmt::format(
-        "{} {}x{}x{} = {} voxels, {} occupied, {:.2f} references per triangle, {}, {:.1f} MB of "
-        "voxels and lists for {} triangles, {:.1f} bytes per triangle in all, {:.0f} ms",
-        structureName(atlas.grid.dims.w), dims.x, dims.y, dims.z, atlas.voxelCount(),
-        atlas.info.occupiedVoxels, referencesPerTriangle(atlas), detailOf(atlas),
-        static_cast<double>(structureBytes(atlas)) * 1e-6, atlas.triangles.size(), bytesPerTriangle(atlas),
-        buildMs(report.timer));
+    return whyOf(report.choice) +
+           fmt::format(
+               "{} {}x{}x{} = {} voxels, {} occupied, {:.2f} references per triangle, {}, {:.1f} MB of "
+               "voxels and lists for {} triangles, {:.1f} bytes per triangle in all, {:.0f} ms",
+               structureName(atlas.grid.dims.w), dims.x, dims.y, dims.z, atlas.voxelCount(),
+               atlas.info.occupiedVoxels, referencesPerTriangle(atlas), detailOf(atlas),
+               static_cast<double>(structureBytes(atlas)) * 1e-6, atlas.triangles.size(),
+               bytesPerTriangle(atlas), buildMs(report.timer));
 }
 
 nlohmann::json jsonOf(const GridReport& report) {
@@ -102,6 +115,8 @@ nlohmann::json jsonOf(const GridReport& report) {
     json["input"] = report.options.meshPath;
     json["output"] = report.options.atlasPath;
     json["structure"] = structureName(atlas.grid.dims.w);
+    if (report.choice)
+        json["auto"] = {{"nested", jsonOf(report.choice->nested)}, {"octant", jsonOf(report.choice->octant)}};
     json["resolution"] = {dims.x, dims.y, dims.z};
     json["voxels"] = atlas.voxelCount();
     json["occupiedVoxels"] = atlas.info.occupiedVoxels;

@@ -10,6 +10,7 @@ namespace rt {
 struct GridReport {
     const GridOptions& options;
     const Atlas& atlas;
+    const std::optional<StructureChoice>& choice;
     const StageTimer& timer;
 };
 

@@ -89,7 +89,8 @@ void checkGl(const std::string& doing, const char* remedy) {
 }
 
 GlBuffer createBuffer(std::span<const std::byte> bytes) {
-    GlBuffer buffer = createEmptyBuffer(bytes.size() + kReadableBeyond, GL_DYNAMIC_STORAGE_BIT, kSmallerAtlas);
+    GlBuffer buffer =
+        createEmptyBuffer(bytes.size() + kReadableBeyond, GL_DYNAMIC_STORAGE_BIT, kSmallerAtlas);
     glNamedBufferSubData(buffer.name(), 0, static_cast<GLsizeiptr>(bytes.size()), bytes.data());
     checkGl(fmt::format("uploading a buffer of {} bytes", bytes.size()));
     return buffer;
