@@ -42,15 +42,14 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
     float u = edgeSide(q, r);
     float v = edgeSide(r, p);
     float w = edgeSide(p, q);
-    if (min(u, min(v, w)) < 0.0f && max(u, max(v, w)) > 0.0f) return best;
-    float area = u + v + w;
-    if (area == 0.0f) return best; // edge-on: its neighbours are hit
-    float inverse = 1.0f / area;
-    // From the plane: a ray that leaves the triangle next to it keeps its side, which u, v and w of far corners would blur.
-    vec3 normal = cross(triangle.v1.xyz - triangle.v0.xyz, triangle.v2.xyz - triangle.v0.xyz);
-    float t = dot(normal, a) / dot(normal, ray.direction);
-    uint id = floatBitsToUint(triangle.v0.w);
-    bool nearer = t < best.t || (t == best.t && id < best.triangle);
-    if (t >= ray.tMin && nearer) return Hit(t, v * inverse, w * inverse, id);
+    if (min(u, min(v, w)) >= 0.0f || max(u, max(v, w)) <= 0.0f) {
+        float area = u + v + w; // 0 if edge-on: its neighbours are hit
+        // From the plane: a ray that leaves the triangle next to it keeps its side, which u, v and w of far corners would blur.
+        vec3 normal = cross(triangle.v1.xyz - triangle.v0.xyz, triangle.v2.xyz - triangle.v0.xyz);
+        float t = dot(normal, a) / dot(normal, ray.direction);
+        uint id = floatBitsToUint(triangle.v0.w);
+        bool nearer = t < best.t || (t == best.t && id < best.triangle);
+        if (t >= ray.tMin && nearer && area != 0.0f) best = Hit(t, v / area, w / area, id);
+    }
     return best;
 }
