@@ -24,7 +24,7 @@ QualityPreset presetOf(Quality quality) {
     case Quality::balanced:
         break;
     }
-    return {4.0, 16.0, 16.0, 0.5, nest};
+    return {4.0, 16.0, 16.0, 0.2, nest};
 }
 
 } // namespace rt
