@@ -5,6 +5,7 @@
 #include "formats/material.shared.h"
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,14 @@ inline std::span<const std::uint32_t> listAt(std::span<const std::uint32_t> refe
     std::size_t last = first;
     while (!(references[last] & kLastInList)) ++last;
     return references.subspan(first, last + 1 - first);
+}
+
+/// Replaces `triangles` by those of the list at `offset`, ascending.
+inline void copyTriangles(std::span<const std::uint32_t> references, std::size_t offset,
+                          std::vector<std::uint32_t>& triangles) {
+    const auto list = listAt(references, offset);
+    triangles.assign(list.begin(), list.end());
+    triangles.back() &= ~kLastInList;
 }
 
 /// A brick of a nested atlas and where it lies.

@@ -7,6 +7,10 @@
 
 RT_SHARED_BEGIN
 
+#ifdef __cplusplus
+using glm::findMSB;
+#endif
+
 // Atlas space is world space moved and scaled so that the scene is near the origin and about unit size:
 //     atlas = (world - offset) * scale,   world = atlas / scale + offset.
 // The scale is a power of two and the offset is chosen so that no vertex is rounded. Directions are scaled
@@ -68,6 +72,11 @@ RT_SHARED_FN ivec3 freeAbove(uint word) {
 RT_SHARED_FN uint freeBoxWord(ivec3 below, ivec3 above) {
     return uint(below.x) | (uint(above.x) << 5u) | (uint(below.y) << 10u) | (uint(above.y) << 15u) |
            (uint(below.z) << 20u) | (uint(above.z) << 25u);
+}
+
+// Voxels are at most 2^this times smaller than those of a nested grid of so many along its longest side.
+RT_SHARED_FN int finestLevelOf(uint longestSide) {
+    return findMSB(kMaxFinestSide) - 1 - findMSB(longestSide - 1u); // findMSB(0) is -1
 }
 
 struct GridParams {

@@ -46,10 +46,11 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
         float area = u + v + w; // 0 if edge-on: its neighbours are hit
         // From the plane: a ray that leaves the triangle next to it keeps its side, which u, v and w of far corners would blur.
         vec3 normal = cross(triangle.v1.xyz - triangle.v0.xyz, triangle.v2.xyz - triangle.v0.xyz);
-        float t = dot(normal, a) / dot(normal, ray.direction);
+        float facing = dot(normal, ray.direction);
+        float t = dot(normal, a) / facing;
         uint id = floatBitsToUint(triangle.v0.w);
         bool nearer = t < best.t || (t == best.t && id < best.triangle);
-        if (t >= ray.tMin && nearer && area != 0.0f) best = Hit(t, v / area, w / area, id);
+        if (t >= ray.tMin && nearer && area != 0.0f && facing != 0.0f) best = Hit(t, v / area, w / area, id);
     }
     return best;
 }

@@ -42,7 +42,7 @@ void main() {
         float directionScale = powerOfTwo(clamp(-exponent, -126, 127));
         float tScale = directionScale / grid.worldOffset.w;
         vec3 origin = (originTmin.xyz - grid.worldOffset.xyz) * grid.worldOffset.w;
-        Ray ray = Ray(origin, directionTmax.xyz * directionScale, max(originTmin.w, 0.0f) / tScale, directionTmax.w / tScale);
+        Ray ray = Ray(origin, directionTmax.xyz * directionScale, max(originTmin.w, 0.0f) / tScale, min(directionTmax.w / tScale, 3.4e38f));
         Hit hit = trace(ray, kAnyHit, work);
         if (hit.triangle != kNoTriangle)
             result.tuvId = uvec4(floatBitsToUint(vec3(hit.t * tScale, hit.u, hit.v)), hit.triangle);

@@ -36,8 +36,7 @@ vec3 withoutTinyComponents(vec3 direction) {
 // A voxel of the grid is 2^finestLevel() of the finest voxels wide.
 int finestLevel() {
     if (kStructure != kStructureNested) return 0;
-    uint longest = max(grid.dims.x, max(grid.dims.y, grid.dims.z));
-    return findMSB(kMaxFinestSide) - 1 - findMSB(longest - 1u); // findMSB(0) is -1
+    return finestLevelOf(max(grid.dims.x, max(grid.dims.y, grid.dims.z)));
 }
 
 // `base` is the ray moved to where it enters the grid.

@@ -43,9 +43,9 @@ std::size_t voxelIndex(const Atlas& atlas, const glm::ivec3& v) {
 bool lists(const Atlas& atlas, const glm::ivec3& voxel, std::uint32_t triangle) {
     const std::uint32_t word = atlas.voxels[voxelIndex(atlas, voxel)];
     if (!(word & kOccupiedBit)) return false;
-    const auto list = listAt(atlas.references, leafList(word));
-    return std::any_of(list.begin(), list.end(),
-                       [&](std::uint32_t entry) { return (entry & ~kLastInList) == triangle; });
+    std::vector<std::uint32_t> list;
+    copyTriangles(atlas.references, leafList(word), list);
+    return std::binary_search(list.begin(), list.end(), triangle);
 }
 
 // A point of the triangle: anywhere, on an edge, or a corner.

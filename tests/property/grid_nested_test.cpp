@@ -111,9 +111,8 @@ private:
 };
 
 std::vector<std::uint32_t> listOf(const Atlas& atlas, std::uint32_t word) {
-    const auto list = listAt(atlas.references, leafList(word));
-    std::vector<std::uint32_t> ids(list.begin(), list.end());
-    ids.back() &= ~kLastInList;
+    std::vector<std::uint32_t> ids;
+    copyTriangles(atlas.references, leafList(word), ids);
     return ids;
 }
 

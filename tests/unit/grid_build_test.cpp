@@ -71,9 +71,8 @@ TEST(GridBuild, listsStandInVoxelOrderWithoutGapsAndAscend) {
         if (!(word & kOccupiedBit)) continue;
         ASSERT_EQ(leafList(word), next);
         EXPECT_EQ(atlas.references[next], 0u) << "an exit box";
-        const auto entries = listAt(atlas.references, next);
-        std::vector<std::uint32_t> list(entries.begin(), entries.end());
-        list.back() &= ~kLastInList;
+        std::vector<std::uint32_t> list;
+        copyTriangles(atlas.references, next, list);
         EXPECT_EQ(std::adjacent_find(list.begin(), list.end(), std::greater_equal<>()), list.end());
         next += 1 + list.size();
         ++occupied;

@@ -113,7 +113,8 @@ void placeLists(CellRefs& refs) {
     });
 }
 
-// Puts one chunk's triangles into the lists. A list's first word says how many of its places are taken;
+// Puts one chunk's triangles into the lists. The word of a list's exit box says, until all are
+// filled, how many of its places are taken;
 // threads take places in any order. Both reads miss the caches as a rule and an atomic lets nothing overtake
 // it, so the memory is asked for well before it is needed.
 void fillFromChunk(const ChunkVoxels& chunk, std::uint32_t triangle, CellRefs& refs) {
@@ -130,7 +131,7 @@ void fillFromChunk(const ChunkVoxels& chunk, std::uint32_t triangle, CellRefs& r
             const std::uint32_t list = listOf(i);
             const std::uint32_t place =
                 std::atomic_ref(refs.references[list]).fetch_add(1, std::memory_order_relaxed);
-            refs.references[list + 1 + place] = triangle;
+            refs.references[list + kListHeaderWords + place] = triangle;
         }
         ++triangle;
     }
@@ -145,7 +146,7 @@ void fillLists(const std::vector<ChunkVoxels>& chunks, CellRefs& refs) {
             if (refs.voxels[i] == 0) continue;
             const auto list = refs.references.begin() + leafList(refs.voxels[i]);
             const std::uint32_t count = std::exchange(*list, 0);
-            std::sort(list + 1, list + 1 + count);
+            std::sort(list + kListHeaderWords, list + kListHeaderWords + count);
             list[count] |= kLastInList;
         }
     });

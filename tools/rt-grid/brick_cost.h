@@ -27,7 +27,7 @@ struct Spread {
 class BrickCost {
 public:
     /// wordCost: steps that a ray through a voxel of the grid must save for each word of memory.
-    /// finestLevel: no voxel may be finer. All arguments must outlive the object.
+    /// finestLevel: no voxel may be finer. `triangles` must outlive the object.
     BrickCost(std::span<const TriangleRecord> triangles, const glm::vec3& cellsPerUnit, double wordCost,
               int finestLevel)
         : triangles_(triangles), cellsPerUnit_(cellsPerUnit), wordCost_(wordCost), finestLevel_(finestLevel) {

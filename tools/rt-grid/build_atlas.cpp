@@ -7,15 +7,15 @@
 namespace rt {
 namespace {
 
-ReferenceLimit checkLimits(const Mesh& mesh, const std::string& name, const GridStages& stages,
-                           const BuildOptions& options) {
+BuildSize sizeOf(const Mesh& mesh, const glm::uvec3& dims, const GridStages& stages,
+                 const BuildOptions& options) {
     BuildSize size;
-    size.dims = stages.layout.dims;
+    size.dims = dims;
     size.triangles = mesh.triangles.size();
     size.vertices = mesh.positions.size();
     size.texels = stages.pages.texelCount();
     size.vdb = options.vdb;
-    return checkLimits(name, size, options.memory);
+    return size;
 }
 
 // Lays out the grid with which `structure` begins, and lists its voxels' triangles.
@@ -27,23 +27,29 @@ public:
           bounds_(gridBounds(stages.triangles)) {}
 
     CellRefs run(std::uint32_t structure) {
-        ResolutionRequest request = options_.resolution;
-        if (request.voxelsPerTriangle == 0.0)
-            request.voxelsPerTriangle = preset_.voxelsPerTriangle(structure);
-        const glm::uvec3 dims = chooseResolution(bounds_.extent(), mesh_.triangles.size(), request);
-        stages_.layout = placeGrid(bounds_, dims);
-        limit_ = checkLimits(mesh_, name_, stages_, options_);
+        stages_.layout = placeGrid(bounds_, dimsOf(structure));
+        limit_ = checkLimits(name_, sizeOf(mesh_, stages_.layout.dims, stages_, options_), options_.memory);
         return binTriangles(stages_.triangles, stages_.layout, limit_);
     }
     const ReferenceLimit& limit() const { return limit_; }
-    // How many voxels an octant structure would have for each of a nested one's.
-    double octantVoxels() const {
-        const ResolutionRequest& asked = options_.resolution;
-        const bool isGiven = asked.voxelsPerTriangle > 0.0 || asked.longestSide > 0 || asked.exact.x > 0;
-        return isGiven ? 1.0 : preset_.octantVoxelsPerTriangle / preset_.nestedVoxelsPerTriangle;
+    bool fits(std::uint32_t structure) const {
+        const BuildSize size = sizeOf(mesh_, dimsOf(structure), stages_, options_);
+        return voxelsOf(structure) <= double(kMaxVoxels) && forecastBytes(size) <= options_.memory.bytes;
+    }
+    // Voxels of the grid.
+    double voxelsOf(std::uint32_t structure) const {
+        const glm::dvec3 dims(dimsOf(structure));
+        return dims.x * dims.y * dims.z;
     }
 
 private:
+    glm::uvec3 dimsOf(std::uint32_t structure) const {
+        ResolutionRequest request = options_.resolution;
+        if (request.voxelsPerTriangle == 0.0)
+            request.voxelsPerTriangle = preset_.voxelsPerTriangle(structure);
+        return chooseResolution(bounds_.extent(), mesh_.triangles.size(), request);
+    }
+
     const Mesh& mesh_;
     const std::string& name_;
     const BuildOptions& options_;
@@ -91,8 +97,12 @@ BuiltAtlas buildAtlas(const MeshFile& meshFile, const std::string& name, const B
     CellRefs refs = binning.run(structure);
     std::optional<StructureChoice> choice;
     if (!options.structure) {
-        choice = chooseStructure(refs, stages.triangles, stages.layout, preset.nest, binning.octantVoxels());
-        if (choice->structure != structure) refs = binning.run(structure = choice->structure);
+        choice = chooseStructure(refs, stages.triangles, stages.layout, preset.nest,
+                                 binning.voxelsOf(kStructureOctant) / binning.voxelsOf(structure));
+        if (choice->structure != structure && binning.fits(choice->structure)) {
+            refs = CellRefs(); // its memory is counted once
+            refs = binning.run(structure = choice->structure);
+        }
     }
     stages.words = hasBoxes(structure)
                        ? boxedVoxels(std::move(refs), structure, stages, preset.nest, binning.limit(), timer)

@@ -39,7 +39,8 @@ void add(WorkForecast& sum, const WorkForecast& work, double weight) {
 
 StructureChoice chooseStructure(const CellRefs& cells, std::span<const TriangleRecord> triangles,
                                 const GridLayout& layout, const NestOptions& options, double octantVoxels) {
-    const BrickCost cost(triangles, layout.cellsPerUnit, options.wordCost, int(kMaxBrickShift));
+    const BrickCost cost(triangles, layout.cellsPerUnit, options.wordCost,
+                         finestLevelOf(std::max({layout.dims.x, layout.dims.y, layout.dims.z})));
     const glm::dvec3 cellSize(layout.cellSize);
     const double chance = surfaceOf(cellSize) / surfaceOf(cellSize * glm::dvec3(layout.dims));
     const std::uint64_t stride = std::max<std::uint64_t>(1, cells.occupiedVoxels / kMostVoxels);
@@ -49,9 +50,7 @@ StructureChoice chooseStructure(const CellRefs& cells, std::span<const TriangleR
     std::uint64_t next = 0; // of the occupied voxels
     for (const std::uint32_t word : cells.voxels) {
         if (word == 0 || next++ % stride != 0) continue;
-        const auto entries = listAt(cells.references, leafList(word));
-        list.assign(entries.begin(), entries.end());
-        list.back() &= ~kLastInList;
+        copyTriangles(cells.references, leafList(word), list);
         const Spread spread = cost.spreadOf(list, 0);
         const double aimed = static_cast<double>(list.size()) / static_cast<double>(cells.referenceCount);
         const double weight = 0.5 * (chance + aimed) * static_cast<double>(stride);

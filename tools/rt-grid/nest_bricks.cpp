@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
 #include <cmath>
 #include <cstdlib>
 #include <new>
@@ -76,17 +75,16 @@ public:
     // To be called after the last voxel.
     void finish() { words_.report(); }
 
-    // Returns the word of a voxel of the grid. `list` must outlive the call only.
-    std::uint32_t wordOf(const glm::uvec3& voxel, std::span<const std::uint32_t> list) {
-        words_.take(list.size());
-        lists_.assign(list.begin(), list.end());
-        lists_.back() &= ~kLastInList;
-        const bool isShort = list.size() <= nesting_.options.gridLeafSize || nesting_.options.maxDepth == 0;
+    // Returns the word of a voxel of the grid with the list at offset `list`.
+    std::uint32_t wordOf(const glm::uvec3& voxel, const CellRefs& grid, std::size_t list) {
+        copyTriangles(grid.references, list, lists_);
+        words_.take(lists_.size());
+        const bool isShort = lists_.size() <= nesting_.options.gridLeafSize || nesting_.options.maxDepth == 0;
         const int shift = isShort ? 0 : nesting_.cost.shiftFor(lists_, 0);
         if (shift == 0) return leafWord(copyLeaf(lists_));
         pending_.clear();
         const std::uint32_t word = newBrick(glm::ivec3(voxel), shift, 0, 0);
-        pending_.push_back({block_.places.size() - 1, 0, list.size()});
+        pending_.push_back({block_.places.size() - 1, 0, lists_.size()});
         for (std::size_t i = 0; i < pending_.size(); ++i) fillBrick(pending_[i]);
         return word;
     }
@@ -269,17 +267,12 @@ private:
     std::vector<BlockStart> starts_;
 };
 
-int finestLevelOf(const glm::uvec3& dims) {
-    int level = 0;
-    while (std::max({dims.x, dims.y, dims.z}) << (level + 1) <= kMaxFinestSide) ++level;
-    return level;
-}
-
 } // namespace
 
 WordArray::WordArray(std::size_t count) : size(count) {
+    if (count == 0) return;
     const std::size_t bytes = (count * sizeof(std::uint32_t) + kHugePage - 1) / kHugePage * kHugePage;
-    void* const memory = std::aligned_alloc(kHugePage, std::max(bytes, kHugePage));
+    void* const memory = std::aligned_alloc(kHugePage, bytes);
     if (!memory) throw std::bad_alloc();
     madvise(memory, bytes, MADV_HUGEPAGE); // only a wish: less time in page faults
     words = std::shared_ptr<std::uint32_t[]>(static_cast<std::uint32_t*>(memory), std::free);
@@ -293,7 +286,8 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
     WordBudget budget(grid.referenceCount, limit);
     const glm::uvec3 dims = layout.dims;
     const Nesting nesting{triangles, layout, options,
-                          BrickCost(triangles, layout.cellsPerUnit, options.wordCost, finestLevelOf(dims)),
+                          BrickCost(triangles, layout.cellsPerUnit, options.wordCost,
+                                    finestLevelOf(std::max({dims.x, dims.y, dims.z}))),
                           budget};
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) {
         BlockBuilder builder(nesting, blocks[i]);
@@ -303,7 +297,7 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
             if (word == 0) continue;
             const std::size_t row = voxel / dims.x;
             const glm::uvec3 at(voxel % dims.x, row % dims.y, row / dims.y);
-            word = builder.wordOf(at, listAt(grid.references, leafList(word)));
+            word = builder.wordOf(at, grid, leafList(word));
         }
         builder.finish();
     });

@@ -53,11 +53,6 @@ struct VoxelBlock {
     std::uint32_t* word(const glm::ivec3& voxel) const {
         return words + voxel.z * sliceStride + voxel.y * rowStride + voxel.x;
     }
-    bool holds(const glm::ivec3& voxel) const {
-        return static_cast<unsigned>(voxel.x) < static_cast<unsigned>(size.x) &&
-               static_cast<unsigned>(voxel.y) < static_cast<unsigned>(size.y) &&
-               static_cast<unsigned>(voxel.z) < static_cast<unsigned>(size.z);
-    }
 };
 
 /// Which voxels of one level are occupied in a cube of up to 64^3 of them, whatever the levels of the bricks

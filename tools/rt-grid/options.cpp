@@ -77,9 +77,10 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
                    "cloud: they know one distance for all sides; uniform: plain grid, for comparisons")
         ->check(CLI::IsMember({kAuto, "uniform", "cloud", "octant", "nested"}))
         ->type_name("auto|uniform|cloud|octant|nested");
-    app.add_option("--quality", raw.quality,
-                   "balanced (default); best: up to a third more rays per second for two to four times the "
-                   "memory and build time; fast: the smallest file and shortest build")
+    app.add_option(
+           "--quality", raw.quality,
+           "balanced (default); best: up to a third more diffuse rays per second for two to three times "
+           "the memory and build time; fast: the smallest file and shortest build")
         ->check(CLI::IsMember({kQualities[0], kQualities[1], kQualities[2]}))
         ->type_name("fast|balanced|best");
     declareDensity(app, raw);

@@ -15,16 +15,28 @@ QualityPreset presetOf(Quality quality) {
     case Quality::fast:
         nest.wordCost = 0.02;
         nest.exitReach = 0;
-        return {2.0, 8.0, 8.0, 0.2, nest};
+        return {.uniformVoxelsPerTriangle = 2.0,
+                .cloudVoxelsPerTriangle = 8.0,
+                .octantVoxelsPerTriangle = 8.0,
+                .nestedVoxelsPerTriangle = 0.2,
+                .nest = nest};
     case Quality::best:
         nest.wordCost = 0.002;
         nest.leafSize = 8;
         nest.exitReach = 5;
-        return {8.0, 64.0, 64.0, 0.5, nest};
+        return {.uniformVoxelsPerTriangle = 8.0,
+                .cloudVoxelsPerTriangle = 64.0,
+                .octantVoxelsPerTriangle = 64.0,
+                .nestedVoxelsPerTriangle = 0.5,
+                .nest = nest};
     case Quality::balanced:
         break;
     }
-    return {4.0, 16.0, 16.0, 0.2, nest};
+    return {.uniformVoxelsPerTriangle = 4.0,
+            .cloudVoxelsPerTriangle = 16.0,
+            .octantVoxelsPerTriangle = 16.0,
+            .nestedVoxelsPerTriangle = 0.2,
+            .nest = nest};
 }
 
 } // namespace rt

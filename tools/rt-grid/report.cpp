@@ -66,18 +66,20 @@ std::uint64_t forecastMemoryBytes(const GridReport& report) {
     size.vertices = atlas.normals.size();
     size.texels = atlas.pages.size();
     size.vdb = report.options.build.vdb;
-    const std::uint64_t words = atlas.grid.dims.w == kStructureNested
-                                    ? atlas.references.size() + atlas.bricks.size()
-                                    : atlas.info.references;
+    const std::uint64_t words =
+        hasBoxes(atlas.grid.dims.w) ? atlas.references.size() + atlas.bricks.size() : atlas.info.references;
     return forecastBytes(size) + words * kBytesPerReference;
 }
 
 // Why auto chose as it did.
-std::string whyOf(const std::optional<StructureChoice>& choice) {
+std::string whyOf(const GridReport& report) {
+    const std::optional<StructureChoice>& choice = report.choice;
     if (!choice) return "";
+    const bool fits = choice->structure == report.atlas.grid.dims.w;
     return fmt::format("auto: a ray should cost {:.1f} triangle tests with nested and {:.1f} "
-                       "with octant, steps included; ",
-                       choice->nested.cost(), choice->octant.cost());
+                       "with octant, steps included{}; ",
+                       choice->nested.cost(), choice->octant.cost(),
+                       fits ? "" : ", which the memory has no room for");
 }
 
 nlohmann::json jsonOf(const WorkForecast& work) {
@@ -96,7 +98,7 @@ double buildMs(const StageTimer& timer) {
 std::string summaryOf(const GridReport& report) {
     const Atlas& atlas = report.atlas;
     const glm::uvec4& dims = atlas.grid.dims;
-    return whyOf(report.choice) +
+    return whyOf(report) +
            fmt::format(
                "{} {}x{}x{} = {} voxels, {} occupied, {:.2f} references per triangle, {}, {:.1f} MB of "
                "voxels and lists for {} triangles, {:.1f} bytes per triangle in all, {:.0f} ms",
