@@ -79,6 +79,9 @@ struct BrickPlace {
 /// without gaps and no level is finer than kMaxFinestSide allows: so each is reached once.
 std::vector<BrickPlace> bricksOf(const Atlas& atlas, const std::string& name);
 
+/// Throws as bricksOf() does, and keeps no more than the bricks of one voxel of Atlas::voxels at a time.
+void requireBricksInOrder(const Atlas& atlas, const std::string& name);
+
 /// "uniform", "cloud", ... as the command line names the structure kinds.
 std::string structureName(std::uint32_t structure);
 

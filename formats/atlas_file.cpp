@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "formats/mesh.h"
+#include "formats/parallel_check.h"
 #include "formats/section_file.h"
 
 #include <fmt/format.h>
@@ -37,10 +38,8 @@ public:
         if (!holds) throw Error(ErrorKind::InvalidContent, fmt::format("{}: {}", name_, what));
     }
     template <class T, class Predicate>
-    void requireEach(const SharedSpan<T>& values, const char* what, Predicate holds) const {
-        for (std::size_t i = 0; i < values.size(); ++i)
-            if (!holds(values[i]))
-                throw Error(ErrorKind::InvalidContent, fmt::format("{}: {} {} is invalid", name_, what, i));
+    void requireEach(const SharedSpan<T>& values, const char* what, const Predicate& holds) const {
+        rt::requireEach<T>(values, name_, what, holds);
     }
 
 private:
@@ -56,10 +55,7 @@ bool isPowerOfTwo(float x) {
     return std::isfinite(x) && x > 0.0f && std::frexp(x, &exponent) == 0.5f;
 }
 
-// Six extents of 5 bits; the tag of an empty voxel.
-bool isFreeBox(std::uint32_t word) {
-    return word >> 30 == 0;
-}
+constexpr std::uint32_t kFreeBoxEnd = 1u << 30; // six extents of 5 bits; the tag of an empty voxel
 
 void validateGrid(const Atlas& atlas, const Validator& check) {
     const GridParams& grid = atlas.grid;
@@ -83,31 +79,40 @@ void validateGrid(const Atlas& atlas, const Validator& check) {
 }
 
 // Lists stand one after the other in REFS: after the last entry of one begins the next.
-bool startsList(const Atlas& atlas, std::size_t offset) {
-    return offset < atlas.references.size() && (offset == 0 || (atlas.references[offset - 1] & kLastInList));
-}
-
 void validateLists(const Atlas& atlas, const Validator& check) {
     const auto& refs = atlas.references;
     check.require(refs.empty() || (refs.back() & kLastInList), "a triangle list overruns its section");
-    check.requireEach(refs, "list word", [&](const std::uint32_t& word) {
-        const auto i = static_cast<std::size_t>(&word - refs.data());
-        return startsList(atlas, i) ? isFreeBox(word) : (word & ~kLastInList) < atlas.triangles.size();
+    const std::uint32_t* const first = refs.data();
+    const auto triangleCount = static_cast<std::uint32_t>(atlas.triangles.size());
+    check.requireEach(refs, "list word", [=](const std::uint32_t& word) {
+        const std::uint32_t before = &word == first ? kLastInList : *(&word - 1);
+        const std::uint32_t ignored = ~before & kLastInList; // the mark of an entry; a list's start has none
+        // Bits instead of a branch: where lists start is hard to predict.
+        return (word & ~ignored) < (ignored ? triangleCount : kFreeBoxEnd);
     });
 }
 
-// After this no voxel leads a shader out of VOXL, BRIK, REFS or TRIS, and no leap is longer than the grid.
-void validateVoxels(const Atlas& atlas, const Validator& check, const std::string& name) {
-    validateLists(atlas, check);
-    if (atlas.grid.dims.w == kStructureNested) bricksOf(atlas, name);
-    const std::uint32_t longest = glm::max(atlas.grid.dims.x, glm::max(atlas.grid.dims.y, atlas.grid.dims.z));
-    const auto holds = [&](std::uint32_t word) {
-        const std::uint32_t structure = atlas.grid.dims.w;
-        if (isBrick(word)) return structure == kStructureNested; // and bricksOf() has followed it
-        if (word & kOccupiedBit) return startsList(atlas, leafList(word));
-        if (structure == kStructureUniform) return word == 0;
-        if (structure == kStructureCloud) return word >= 1 && word <= longest;
-        return isFreeBox(word);
+struct EmptyWords {
+    std::uint32_t least, most;
+};
+
+EmptyWords emptyWords(const GridParams& grid) {
+    if (grid.dims.w == kStructureUniform) return {0, 0};
+    if (grid.dims.w == kStructureCloud) // no leap is longer than the grid
+        return {1, glm::max(grid.dims.x, glm::max(grid.dims.y, grid.dims.z))};
+    return {0, kFreeBoxEnd - 1};
+}
+
+// With lists and bricks in order, no voxel that holds leads a shader out of VOXL, BRIK, REFS or TRIS.
+void validateVoxels(const Atlas& atlas, const Validator& check) {
+    const EmptyWords empty = emptyWords(atlas.grid);
+    const bool nested = atlas.grid.dims.w == kStructureNested;
+    const std::span<const std::uint32_t> refs = atlas.references;
+    const auto holds = [=](std::uint32_t word) {
+        if (!(word & kOccupiedBit)) return word >= empty.least && word <= empty.most;
+        if (isBrick(word)) return nested; // and requireBricksInOrder() follows it
+        const std::uint32_t list = leafList(word);
+        return list < refs.size() && (list == 0 || (refs[list - 1] & kLastInList));
     };
     check.requireEach(atlas.voxels, "voxel", holds);
     check.requireEach(atlas.bricks, "brick word", holds);
@@ -165,8 +170,11 @@ void validate(const Atlas& atlas, const std::string& name) {
                   "counts in GRID differ from the sections' sizes");
     check.require(!atlas.triangles.empty() && !atlas.materials.empty(), "has no triangles or no materials");
     validateGrid(atlas, check);
-    validateVoxels(atlas, check, name);
-    validateShading(atlas, check);
+    checkTogether({[&] { validateLists(atlas, check); },
+                   [&] {
+                       if (atlas.grid.dims.w == kStructureNested) requireBricksInOrder(atlas, name);
+                   },
+                   [&] { validateVoxels(atlas, check); }, [&] { validateShading(atlas, check); }});
 }
 
 void writeAtlas(const std::string& path, const Atlas& atlas) {
@@ -205,7 +213,7 @@ AtlasFile readAtlas(const std::string& path) {
     atlas.lights = file.get<Light>(kLights);
     atlas.images = file.get<ImagePlace>(kImages);
     atlas.pages = file.get<std::uint32_t>(kPages);
-    validate(atlas, path);
+    file.verify([&] { validate(atlas, path); });
     return {std::move(atlas), file.contentHash(), file.fileBytes()};
 }
 

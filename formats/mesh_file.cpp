@@ -1,6 +1,7 @@
 #include "formats/mesh_file.h"
 
 #include "common/error.h"
+#include "formats/parallel_check.h"
 #include "formats/section_file.h"
 
 #include <fmt/format.h>
@@ -21,14 +22,6 @@ constexpr std::uint32_t kMaterials = sectionId("MATL");
 constexpr std::uint32_t kLights = sectionId("LITE");
 constexpr std::uint32_t kImages = sectionId("IMGS");
 constexpr std::uint32_t kPixels = sectionId("PIXL");
-
-// One report for the first fault found in an array.
-template <class T, class Predicate>
-void requireEach(const SharedSpan<T>& values, const std::string& file, const char* what, Predicate holds) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-        if (!holds(values[i]))
-            throw Error(ErrorKind::InvalidContent, fmt::format("{}: {} {} is invalid", file, what, i));
-}
 
 void requireCount(std::size_t found, std::size_t wanted, const std::string& file, const char* what) {
     if (found != wanted)
@@ -87,20 +80,21 @@ void validate(const Mesh& mesh, const std::string& name) {
     if (!mesh.texcoords.empty())
         requireCount(mesh.texcoords.size(), vertexCount, name, "texture coordinates");
     requireCount(mesh.triangleMaterial.size(), mesh.triangles.size(), name, "triangle materials");
-    requireEach(mesh.positions, name, "position", [](const glm::vec3& p) { return finite(p); });
-    requireEach(mesh.normals, name, "normal", isUnit);
-    requireEach(mesh.texcoords, name, "texture coordinate", [](const glm::vec2& t) { return finite(t); });
-    requireEach(mesh.triangles, name, "triangle", [=](const glm::uvec3& t) {
+    requireEach<glm::vec3>(mesh.positions, name, "position", [](const glm::vec3& p) { return finite(p); });
+    requireEach<glm::vec3>(mesh.normals, name, "normal", isUnit);
+    requireEach<glm::vec2>(mesh.texcoords, name, "texture coordinate",
+                           [](const glm::vec2& t) { return finite(t); });
+    requireEach<glm::uvec3>(mesh.triangles, name, "triangle", [=](const glm::uvec3& t) {
         return t.x < vertexCount && t.y < vertexCount && t.z < vertexCount;
     });
-    requireEach(mesh.triangleMaterial, name, "material of triangle",
-                [&](std::uint32_t m) { return m < mesh.materials.size(); });
-    requireEach(mesh.images, name, "image",
-                [&](const MeshImage& i) { return isValidImage(i, mesh.pixels.size()); });
-    requireEach(mesh.materials, name, "material",
-                [&](const Material& m) { return isValid(m, mesh.images.size()); });
-    requireEach(mesh.lights, name, "light",
-                [](const Light& l) { return finite(l.positionWorld) && finite(l.intensity); });
+    requireEach<std::uint32_t>(mesh.triangleMaterial, name, "material of triangle",
+                               [&](std::uint32_t m) { return m < mesh.materials.size(); });
+    requireEach<MeshImage>(mesh.images, name, "image",
+                           [&](const MeshImage& i) { return isValidImage(i, mesh.pixels.size()); });
+    requireEach<Material>(mesh.materials, name, "material",
+                          [&](const Material& m) { return isValid(m, mesh.images.size()); });
+    requireEach<Light>(mesh.lights, name, "light",
+                       [](const Light& l) { return finite(l.positionWorld) && finite(l.intensity); });
 }
 
 void writeMesh(const std::string& path, const Mesh& mesh) {
@@ -131,7 +125,7 @@ MeshFile readMesh(const std::string& path) {
     mesh.lights = file.get<Light>(kLights);
     mesh.images = file.get<MeshImage>(kImages);
     mesh.pixels = file.get<std::uint32_t>(kPixels);
-    validate(mesh, path);
+    file.verify([&] { validate(mesh, path); });
     return {std::move(mesh), file.contentHash()};
 }
 

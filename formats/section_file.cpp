@@ -1,5 +1,7 @@
 #include "formats/section_file.h"
 
+#include "formats/parallel_check.h"
+
 #include <fmt/format.h>
 #include <xxhash.h>
 
@@ -126,11 +128,22 @@ void SectionFile::checkSections() const {
         if (find(entry.id) != &entry) fail(fmt::format("section {} appears twice", name));
         if (!allZero(bytes.subspan(end, entry.offset - end)))
             fail(fmt::format("bytes before section {} are not zero", name));
-        if (hashBytes(bytes.subspan(entry.offset, entry.bytes)) != entry.hash)
-            fail(fmt::format("section {} is damaged (wrong checksum)", name));
         end = entry.offset + entry.bytes;
     }
     if (aligned(end) != bytes.size() || !allZero(bytes.subspan(end))) fail("bytes after the last section");
+}
+
+void SectionFile::checkHashes() const {
+    const std::size_t damaged = firstFault(table_.size(), 1, [&](std::size_t i, std::size_t) {
+        const SectionEntry& entry = table_[i];
+        return hashBytes(storage_->subspan(entry.offset, entry.bytes)) == entry.hash ? i + 1 : i;
+    });
+    if (damaged < table_.size())
+        fail(fmt::format("section {} is damaged (wrong checksum)", idText(table_[damaged].id)));
+}
+
+void SectionFile::verify(const std::function<void()>& checkContents) const {
+    checkTogether({[this] { checkHashes(); }, checkContents});
 }
 
 const SectionEntry* SectionFile::find(std::uint32_t id) const {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -75,8 +76,8 @@ private:
     std::vector<Section> sections_;
 };
 
-/// Opens and validates a container: magic, version, table, bounds, alignment, padding, and every section's
-/// hash. After that the spans it hands out are safe to read; what they mean is for the caller to check.
+/// Opens a container and validates its frame: magic, version, table, bounds, alignment, padding. After that
+/// the spans it hands out are safe to read; verify() tells whether to believe them.
 class SectionFile {
 public:
     /// Throws Error{FileAccess} or Error{InvalidContent}; messages name the file.
@@ -99,6 +100,11 @@ public:
         return values;
     }
 
+    /// Checks every section's hash and, at the same time, what the sections mean: `checkContents` throws if
+    /// that is wrong. Throws Error{InvalidContent} if a hash is, whatever `checkContents` finds in damaged
+    /// bytes.
+    void verify(const std::function<void()>& checkContents) const;
+
     /// Hash of everything in the file: changes whenever any byte of any section does.
     std::uint64_t contentHash() const { return contentHash_; }
     std::uint64_t fileBytes() const { return storage_->size(); }
@@ -110,6 +116,7 @@ private:
     void requireCount(std::uint32_t id, std::uint64_t found, std::uint64_t wanted) const;
     void readHeader(const FileKind& kind);
     void checkSections() const;
+    void checkHashes() const;
 
     std::string path_;
     std::shared_ptr<const SharedSpan<std::byte>> storage_;
