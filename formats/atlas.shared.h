@@ -3,6 +3,8 @@
 #define RT_ATLAS_SHARED_H
 #ifdef __cplusplus
 #include "formats/shared_types.shared.h"
+
+#include <glm/integer.hpp>
 #endif
 
 RT_SHARED_BEGIN
