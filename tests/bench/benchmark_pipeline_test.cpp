@@ -112,8 +112,9 @@ TEST_F(BenchmarkPipeline, MeasuresEveryStructureAndSetAndFindsEmbreesHits) {
             EXPECT_GT(std::stoi(row.at("hits")), 20);
         }
     }
-    for (const char* variant : {"slivers uniform", "slivers cloud", "slivers nested", "bunnies16 uniform",
-                                "bunnies16 cloud", "bunnies16 nested"})
+    for (const char* variant : {"slivers uniform", "slivers cloud", "slivers octant", "slivers nested",
+                                "slivers auto--quality best", "bunnies16 auto--quality balanced",
+                                "bunnies16 uniform", "bunnies16 cloud", "bunnies16 nested"})
         EXPECT_EQ(setsOf.count(variant), 1u) << variant;
     for (const auto& [variant, sets] : setsOf) EXPECT_EQ(sets.size(), 4u) << variant;
     EXPECT_FALSE(std::filesystem::exists(out_ + "/work")) << "rays are large and go away";

@@ -210,6 +210,35 @@ TEST(GridNested, exitBoxesReachAsFarAsTheyMay) {
               6 * NestOptions().exitReach);
 }
 
+// How many triangles meet the boxes of empty voxels.
+std::size_t leaptOver(const Atlas& atlas) {
+    const Triangles triangles(atlas);
+    std::size_t met = 0;
+    for (const Cell& cell : cellsOf(atlas)) {
+        if (cell.word & kOccupiedBit) continue;
+        const double scale = std::ldexp(1.0, -cell.level);
+        const glm::dvec3 lo = glm::dvec3(cell.at - freeBelow(cell.word)) * scale;
+        const glm::dvec3 hi = glm::dvec3(cell.at + freeAbove(cell.word) + 1) * scale;
+        for (std::uint32_t i = 0; i < triangles.size(); ++i) met += triangles.meets(i, lo, hi);
+    }
+    return met;
+}
+
+// The grid is grown in tiles of 8^3 voxels.
+TEST(GridNested, boxesAreSoundAcrossTilesAndWithoutBricks) {
+    const Mesh mesh = test::makeRandomTriangles(500, 4, 0.1f);
+    for (const int depth : {0, 3})
+        for (const int reach : {0, 3, 31}) {
+            NestOptions options;
+            options.maxDepth = depth; // 0: octant
+            options.exitReach = reach;
+            const Atlas atlas = build(mesh, {19, 17, 18}, options);
+            EXPECT_EQ(atlas.bricks.empty(), depth == 0);
+            EXPECT_EQ(leaptOver(atlas), 0u) << depth << " " << reach;
+            EXPECT_EQ(missedByExits(atlas, 0), 0u) << depth << " " << reach;
+        }
+}
+
 // The pad is what a ray walked in floats may be off by.
 TEST(GridNested, aTriangleThatNearlyTouchesALeafOrAnEmptyVoxelIsListed) {
     for (const auto& [name, mesh, dims] : cases()) {
