@@ -166,5 +166,6 @@ def draw(results, folder):
 
 
 if __name__ == "__main__":
+    pathlib.Path(sys.argv[2]).mkdir(parents=True, exist_ok=True)
     for written in draw(sys.argv[1], sys.argv[2]):
         print(written)

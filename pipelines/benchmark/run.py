@@ -198,6 +198,17 @@ def write_csv(path, rows, append):
         writer.writerows(kept + [{key: rounded(value) for key, value in row.items()} for row in rows])
 
 
+def whole(least):
+    """Type of an option: a whole number from `least` on."""
+    def parse(text):
+        number = int(text)
+        if number < least:
+            raise ValueError
+        return number
+    parse.__name__ = f"whole number from {least} on"
+    return parse
+
+
 def parse():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--tools", type=pathlib.Path, required=True, help="folder of the built programs")
@@ -208,11 +219,11 @@ def parse():
     parser.add_argument("--variants", nargs="+", metavar="'STRUCTURE [OPTIONS]'", help="for rt-grid; all by default")
     parser.add_argument("--device", default="auto", help="as rt-trace --device takes it")
     size = parser.add_mutually_exclusive_group()
-    size.add_argument("--reduced", action="store_true", help="small scenes, 256x256, one pass; so on software GL")
+    size.add_argument("--reduced", action="store_true", help="256x256, one pass, small scenes unless --scenes names others; so on software GL")
     size.add_argument("--full", action="store_true", help="all scenes, 2048x2048, on software GL too")
-    parser.add_argument("--size", type=int, help="side of the primary rays' picture")
-    parser.add_argument("--repeat", type=int, help="passes of rt-trace; 0 is one without warming up")
-    parser.add_argument("--embree-repeat", type=int, help="passes and builds of Embree")
+    parser.add_argument("--size", type=whole(8), help="side of the primary rays' picture")
+    parser.add_argument("--repeat", type=whole(0), help="passes of rt-trace; 0 is one without warming up")
+    parser.add_argument("--embree-repeat", type=whole(1), help="passes and builds of Embree")
     parser.add_argument("--allow-per-million", type=float, default=0.0, metavar="N",
                         help="lost, extra and wrong hits per million rays that still pass (0)")  # fmt: skip
     parser.add_argument("--append", action="store_true", help="keep the rows of other scenes in results.csv")

@@ -45,11 +45,12 @@ void declareDensity(CLI::App& app, RawOptions& raw) {
     const QualityPreset preset = presetOf(Quality::balanced);
     app.add_option(
            "--density", raw.density,
-           fmt::format("Voxels per triangle, when there is no --resolution; if not given, {} for "
-                       "uniform, {} for cloud and octant and {} for nested, bricks not counted, up to "
-                       "{} on an axis. Raise it where reports show many tests per ray",
-                       preset.uniformVoxelsPerTriangle, preset.cloudVoxelsPerTriangle,
-                       preset.nestedVoxelsPerTriangle, kMaxAutomaticSide))
+           fmt::format(
+               "Voxels per triangle, when there is no --resolution; if not given, {} for "
+               "uniform, {} for cloud and octant and {} for nested, bricks not counted. At most "
+               "{} on an axis and 2^28 in all are made of it. Raise it where reports show many tests per ray",
+               preset.uniformVoxelsPerTriangle, preset.cloudVoxelsPerTriangle, preset.nestedVoxelsPerTriangle,
+               kMaxAutomaticSide))
         ->check(CLI::Range(1e-6, 1e9))
         ->excludes(resolution)
         ->type_name("D");
