@@ -46,19 +46,13 @@ struct Atlas {
     std::uint64_t voxelCount() const { return std::uint64_t(grid.dims.x) * grid.dims.y * grid.dims.z; }
 };
 
-/// The triangles of the list at `offset`; the last entry has kLastInList set.
-inline std::span<const std::uint32_t> listAt(std::span<const std::uint32_t> references, std::size_t offset) {
-    const std::size_t first = offset + 1;
-    std::size_t last = first;
-    while (!(references[last] & kLastInList)) ++last;
-    return references.subspan(first, last + 1 - first);
-}
-
 /// Replaces `triangles` by those of the list at `offset`, ascending.
 inline void copyTriangles(std::span<const std::uint32_t> references, std::size_t offset,
                           std::vector<std::uint32_t>& triangles) {
-    const auto list = listAt(references, offset);
-    triangles.assign(list.begin(), list.end());
+    const std::size_t first = offset + kListHeaderWords;
+    std::size_t last = first;
+    while (!(references[last] & kLastInList)) ++last;
+    triangles.assign(&references[first], &references[last] + 1);
     triangles.back() &= ~kLastInList;
 }
 

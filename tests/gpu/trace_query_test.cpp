@@ -161,6 +161,43 @@ protected:
     }
 };
 
+// Rays from `origin` at all vertices and at three points of each edge.
+std::vector<QueryRay> raysAtVerticesAndEdges(const Mesh& mesh, const glm::vec3& origin) {
+    std::vector<QueryRay> rays;
+    for (const glm::vec3& vertex : mesh.positions) rays.push_back(ray(origin, vertex - origin));
+    for (const glm::uvec3& corners : mesh.triangles)
+        for (const auto& [a, b] : {std::pair(corners.x, corners.y), std::pair(corners.y, corners.z)})
+            for (const float along : {0.1f, 0.37f, 0.5f})
+                rays.push_back(ray(origin, glm::mix(mesh.positions[a], mesh.positions[b], along) - origin));
+    return rays;
+}
+
+TEST_F(RayQuery, NoRayLeavesAClosedSphereThroughItsVerticesAndEdges) {
+    for (const glm::vec3& centre : {glm::vec3(0.0f), glm::vec3(148376, 1234, -223423)}) {
+        const Mesh sphere = test::moved(test::makeSphere(4), 1.0f, centre);
+        const auto rays = raysAtVerticesAndEdges(sphere, centre + glm::vec3(0.1f, -0.2f, 0.05f));
+        for (const std::uint32_t structure :
+             {kStructureUniform, kStructureCloud, kStructureOctant, kStructureNested}) {
+            const auto hits = test::traceQuery(*context, test::makeAtlas(sphere, structure, {9, 8, 7}), rays);
+            EXPECT_EQ(std::count_if(hits.begin(), hits.end(), isMiss), 0) << "structure " << structure;
+        }
+    }
+}
+
+// The plane's normal is then across the ray, as far as floats go.
+TEST_F(RayQuery, RaysInATrianglesPlaneHitAtAFiniteDistanceOrNotAtAll) {
+    const Mesh mesh = test::makeTriangles({{0, 0, 0}, {0.7f, 0.7f, 0.1f}, {0.3f, 0.3f, 0.9f}});
+    std::vector<QueryRay> rays;
+    for (int i = 0; i < 1000; ++i) {
+        const float z = 0.001f * static_cast<float>(i);
+        rays.push_back(ray({-1, -1, z}, {1, 1, 0.37f * (z - 0.5f)}, 0.0f, kInfinity));
+        rays.push_back(ray({-1, std::nextafter(-1.0f, 0.0f), z}, {1, 1, 0}, 0.0f, kInfinity));
+    }
+    const Atlas atlas = test::makeAtlas(mesh, kStructureNested, {3, 3, 3});
+    for (const QueryHit& hit : test::traceQuery(*context, atlas, rays))
+        EXPECT_TRUE(isMiss(hit) || std::isfinite(distanceOf(hit)));
+}
+
 TEST_F(RayQuery, EqualsBruteForceInATriangleSoup) {
     const Mesh mesh = test::makeRandomTriangles(400, 5, 0.15f);
     expectAgreement(mesh, randomRays(mesh, 6000), {13, 9, 16});

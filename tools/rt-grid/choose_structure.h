@@ -11,7 +11,7 @@ struct WorkForecast {
     double steps = 0.0; ///< leaves entered and bricks looked into
     double tests = 0.0; ///< triangles
 
-    /// In tests. A step costs about as much as one and a half (counted in the shader, and measured).
+    /// In tests. A step costs about as much as one and a half (by the instructions of both).
     double cost() const { return 1.5 * steps + tests; }
 };
 

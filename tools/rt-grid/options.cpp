@@ -80,7 +80,7 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
         ->type_name("auto|uniform|cloud|octant|nested");
     app.add_option(
            "--quality", raw.quality,
-           "balanced (default); best: up to a third more diffuse rays per second for two to three times "
+           "balanced (default); best: about a fifth more diffuse rays per second for twice to three times "
            "the memory and build time; fast: the smallest file and shortest build")
         ->check(CLI::IsMember({kQualities[0], kQualities[1], kQualities[2]}))
         ->type_name("fast|balanced|best");
