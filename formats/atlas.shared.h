@@ -43,7 +43,7 @@ RT_SHARED_FN bool hasBoxes(uint structure) {
 RT_SHARED_CONST uint kOccupiedBit = 0x80000000u;
 RT_SHARED_CONST uint kBrickTag = 0xC0000000u;  // words from this one on are bricks
 RT_SHARED_CONST uint kMaxBrickShift = 5u;      // k
-RT_SHARED_CONST uint kMaxFinestSide = 131072u; // voxels of the finest size along any side of the grid
+RT_SHARED_CONST uint kMaxFinestSide = 524288u; // voxels of the finest size along any side of the grid
 RT_SHARED_CONST uint kListHeaderWords = 1u;    // the exit box
 RT_SHARED_CONST uint kLastInList = 0x80000000u;
 

@@ -18,8 +18,9 @@ RT_SHARED_BEGIN
 #define RT_IMAGE_COUNTERS 3 // rgba32ui, where work is counted: see WorkCounters in shaders/ray.glsl
 // Storage buffers that are never split. Atlas arrays that may need several buffers take the numbers from
 // RT_BUFFER_FIRST_PAGED on, in the order of the host's table (tools/rt-trace/shader_resources).
-#define RT_BUFFER_MATERIALS 0
-#define RT_BUFFER_LIGHTS 1 // AtlasLight
+#define RT_BUFFER_QUEUE 0     // query, scattered rays: uint, the next ray's index
+#define RT_BUFFER_MATERIALS 0 // render
+#define RT_BUFFER_LIGHTS 1    // AtlasLight
 #define RT_BUFFER_IMAGES 2
 #define RT_BUFFER_RAYS 3
 #define RT_BUFFER_HITS 4
@@ -30,6 +31,10 @@ RT_SHARED_BEGIN
 #define RT_TEXTURE_FIRST_VOXELS 1
 
 RT_SHARED_CONST uint kNoTriangle = 0xFFFFFFFFu;
+
+// Invocations take scattered rays from a queue until it is empty: so many each, on average. Few enough that
+// all lanes of a device have work, many enough that they get some more when they are done.
+RT_SHARED_CONST uint kRaysPerLane = 4u;
 
 // A pinhole camera in atlas space; the ray through pixel (x, y), (0, 0) = top left, is
 //     forward + right * (2 (x + 0.5) / width - 1) + up * (1 - 2 (y + 0.5) / height), normalized.

@@ -6,6 +6,12 @@
 #ifndef RT_ANY_HIT
 #error "RT_ANY_HIT is not defined"
 #endif
+#ifndef RT_SCATTERED_RAYS
+#error "RT_SCATTERED_RAYS is not defined"
+#endif
+#ifndef RT_SUBGROUPS
+#error "RT_SUBGROUPS is not defined"
+#endif
 #ifndef RT_COUNT_WORK
 #error "RT_COUNT_WORK is not defined"
 #endif
@@ -30,6 +36,8 @@
 
 const uint kStructure = uint(RT_STRUCTURE);
 const bool kAnyHit = RT_ANY_HIT != 0;
+const bool kScatteredRays = RT_SCATTERED_RAYS != 0;
+const bool kSubgroups = RT_SUBGROUPS != 0;
 const bool kCountWork = RT_COUNT_WORK != 0;
 const bool kHasTextures = RT_HAS_TEXTURES != 0;
 const bool kHasReflection = RT_HAS_REFLECTION != 0;

@@ -15,10 +15,17 @@ RayShear shearAlong(vec3 direction) {
     return RayShear(first - main * (dot(first, direction) * inverse), second - main * (dot(second, direction) * inverse));
 }
 
-// The same for the same vector wherever it stands: a compiler that fused the terms now this way, now that, would open cracks.
-float shearedTo(vec3 row, vec3 v) {
-    precise float sum = fma(row.x, v.x, fma(row.y, v.y, row.z * v.z));
+// Rounded the same way wherever they stand: a compiler that fused the terms now this way, now that, would open cracks, and
+// two kernels would give two distances for one hit.
+float fixedDot(vec3 a, vec3 b) {
+    precise float sum = fma(a.x, b.x, fma(a.y, b.y, a.z * b.z));
     return sum;
+}
+
+vec3 fixedCross(vec3 a, vec3 b) {
+    precise vec3 minus = a.zxy * b.yzx;
+    precise vec3 normal = fma(a.yzx, b.zxy, -minus);
+    return normal;
 }
 
 // Twice the area between the origin, a and b. Exactly the opposite for (b, a): of two triangles that share an edge, one or
@@ -36,18 +43,18 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
     vec3 a = triangle.v0.xyz - ray.origin;
     vec3 b = triangle.v1.xyz - ray.origin;
     vec3 c = triangle.v2.xyz - ray.origin;
-    vec2 p = vec2(shearedTo(shear.x, a), shearedTo(shear.y, a));
-    vec2 q = vec2(shearedTo(shear.x, b), shearedTo(shear.y, b));
-    vec2 r = vec2(shearedTo(shear.x, c), shearedTo(shear.y, c));
+    vec2 p = vec2(fixedDot(shear.x, a), fixedDot(shear.y, a));
+    vec2 q = vec2(fixedDot(shear.x, b), fixedDot(shear.y, b));
+    vec2 r = vec2(fixedDot(shear.x, c), fixedDot(shear.y, c));
     float u = edgeSide(q, r);
     float v = edgeSide(r, p);
     float w = edgeSide(p, q);
     if (min(u, min(v, w)) >= 0.0f || max(u, max(v, w)) <= 0.0f) {
-        float area = u + v + w; // 0 if edge-on: its neighbours are hit
+        precise float area = u + v + w; // 0 if edge-on: its neighbours are hit
         // From the plane: a ray that leaves the triangle next to it keeps its side, which u, v and w of far corners would blur.
-        vec3 normal = cross(triangle.v1.xyz - triangle.v0.xyz, triangle.v2.xyz - triangle.v0.xyz);
-        float facing = dot(normal, ray.direction);
-        float t = dot(normal, a) / facing;
+        vec3 normal = fixedCross(triangle.v1.xyz - triangle.v0.xyz, triangle.v2.xyz - triangle.v0.xyz);
+        float facing = fixedDot(normal, ray.direction);
+        float t = fixedDot(normal, a) / facing;
         uint id = floatBitsToUint(triangle.v0.w);
         bool nearer = t < best.t || (t == best.t && id < best.triangle);
         if (t >= ray.tMin && nearer && area != 0.0f && facing != 0.0f) best = Hit(t, v / area, w / area, id);

@@ -58,6 +58,11 @@ GridRay toGridRay(Ray base) {
     return g;
 }
 
+ivec3 firstVoxel(GridRay g, float tMin) {
+    float t = max(tMin, 0.0f) * (1.0f - 2.0f * gammaBound(3.0f));
+    return clamp(ivec3(g.origin + g.direction * t), ivec3(0), g.size - 1);
+}
+
 // The word of the empty voxel or leaf at the finest voxel `at`; it is 2^sizeShift of those wide.
 uint lookUp(GridRay g, ivec3 at, out int sizeShift) {
     ivec3 voxel = (at ^ g.turned) + (g.size & g.turned);
@@ -94,6 +99,12 @@ float leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
     return t;
 }
 
+// Whether a walk that has come to `at` at distance t is over. A triangle may be hit beyond its voxel; the hit stands unless
+// a nearer one can still come.
+bool endsAt(GridRay g, float t, ivec3 at, Hit best) {
+    return t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || any(greaterThanEqual(at, g.size));
+}
+
 // Tests a leaf's list. Returns the word that then holds for its voxel as for an empty one.
 uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout WorkCounters work) {
     uint at = leafList(leaf);
@@ -113,8 +124,7 @@ uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout Wor
 Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
     GridRay g = toGridRay(ray);
     RayShear shear = shearAlong(ray.direction);
-    float t = max(ray.tMin, 0.0f) * (1.0f - 2.0f * gammaBound(3.0f));
-    ivec3 at = clamp(ivec3(g.origin + g.direction * t), ivec3(0), g.size - 1);
+    ivec3 at = firstVoxel(g, ray.tMin);
     Hit best = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
     for (;;) {
         if (kCountWork) work.steps += 1u;
@@ -124,29 +134,35 @@ Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
             word = intersectList(ray, shear, word, best, work);
             if (anyHit && best.triangle != kNoTriangle) break;
         }
-        t = leap(g, word, sizeShift, at);
-        // A triangle may be hit beyond its voxel; the hit stands unless a nearer one can still come.
-        if (t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || any(greaterThanEqual(at, g.size))) break;
+        if (endsAt(g, leap(g, word, sizeShift, at), at, best)) break;
     }
     return best; // the only way out: with returns in the loop a driver lost 5 to 20 % of the speed
+}
+
+// Moves the ray's origin to where it enters the grid, at distance tEnter; false if it misses the grid. From there on t counts
+// from the grid's border, so that a far origin does not cost precision inside.
+bool enterGrid(inout Ray ray, out float tEnter) {
+    ray.direction = withoutTinyComponents(ray.direction);
+    vec3 gridHi = grid.gridLo.xyz + vec3(grid.dims.xyz) * grid.cellSize.xyz;
+    vec2 span = boxSpan(ray, grid.gridLo.xyz, gridHi);
+    // Three roundings each: the entry is taken as early, the exit as late as it can be.
+    tEnter = max(span.x * (1.0f - 2.0f * gammaBound(3.0f)), 0.0f);
+    float tLeave = span.y * (1.0f + 2.0f * gammaBound(3.0f));
+    bool enters = tEnter <= tLeave && ray.tMin <= tLeave && tEnter <= ray.tMax;
+    // One rounding, with fma: the new origin lies on the ray, whatever the error of tEnter.
+    ray.origin = fma(ray.direction, vec3(tEnter), ray.origin);
+    ray.tMin -= tEnter;
+    ray.tMax -= tEnter;
+    return enters;
 }
 
 // Nearest hit of a ray with tMin <= t <= tMax (tMin >= 0), or with anyHit any such hit.
 Hit trace(Ray ray, bool anyHit, inout WorkCounters work) {
     if (kCountWork) work.rays += 1u;
-    ray.direction = withoutTinyComponents(ray.direction);
     Hit miss = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
-    vec3 gridHi = grid.gridLo.xyz + vec3(grid.dims.xyz) * grid.cellSize.xyz;
-    vec2 span = boxSpan(ray, grid.gridLo.xyz, gridHi);
-    // Three roundings each: the entry is taken as early, the exit as late as it can be.
-    float tEnter = max(span.x * (1.0f - 2.0f * gammaBound(3.0f)), 0.0f);
-    float tLeave = span.y * (1.0f + 2.0f * gammaBound(3.0f));
-    if (!(tEnter <= tLeave) || !(ray.tMin <= tLeave) || !(tEnter <= ray.tMax)) return miss;
-    // From here on t counts from the grid's border, so that a far origin does not cost precision inside. One rounding,
-    // with fma: the new origin lies on the ray, whatever the error of tEnter.
-    vec3 origin = fma(ray.direction, vec3(tEnter), ray.origin);
-    Ray base = Ray(origin, ray.direction, ray.tMin - tEnter, ray.tMax - tEnter);
-    Hit hit = walkGrid(base, anyHit, work);
+    float tEnter;
+    if (!enterGrid(ray, tEnter)) return miss;
+    Hit hit = walkGrid(ray, anyHit, work);
     if (hit.triangle == kNoTriangle) return miss;
     hit.t += tEnter;
     return hit;

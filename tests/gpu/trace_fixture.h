@@ -36,14 +36,16 @@ struct QuerySettings {
     std::uint64_t maxBatch = ~std::uint64_t(0);
 };
 
-inline std::vector<QueryHit> traceQuery(const GlContext& context, const Atlas& atlas,
-                                        const std::vector<QueryRay>& rays,
-                                        const QuerySettings& settings = {}) {
+inline std::vector<QueryHit> traceVariant(const GlContext& context, const Atlas& atlas,
+                                          const std::vector<QueryRay>& rays, const QuerySettings& settings,
+                                          bool scattered) {
     const ResourceLimits limits = settings.limits.value_or(context.limits().resources);
-    const ResourcePlan plan =
-        planResources(atlas, queryFeatures(atlas, settings.anyHit), ShaderKind::Query, limits, "atlas");
+    SceneFeatures features = queryFeatures(atlas, settings.anyHit);
+    features.scatteredRays = scattered;
+    features.subgroups = scattered && context.limits().subgroups;
+    const ResourcePlan plan = planResources(atlas, features, ShaderKind::Query, limits, "atlas");
     const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, "atlas");
-    GpuRays gpuRays(rays.size(), false, context.limits(), settings.maxBatch);
+    GpuRays gpuRays(rays.size(), features, context.limits(), settings.maxBatch);
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();
     std::vector<QueryHit> hits(rays.size());
@@ -53,6 +55,20 @@ inline std::vector<QueryHit> traceQuery(const GlContext& context, const Atlas& a
         gpuRays.trace(program, 1, context.device().software);
         gpuRays.readHits(std::span(hits).subspan(first, count));
     }
+    return hits;
+}
+
+/// Traced as scattered rays and as coherent ones, which must be the same to the bit.
+inline std::vector<QueryHit> traceQuery(const GlContext& context, const Atlas& atlas,
+                                        const std::vector<QueryRay>& rays,
+                                        const QuerySettings& settings = {}) {
+    const std::vector<QueryHit> hits = traceVariant(context, atlas, rays, settings, false);
+    const std::vector<QueryHit> scattered = traceVariant(context, atlas, rays, settings, true);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        if (hits[i].tuvId != scattered[i].tuvId) {
+            ADD_FAILURE() << "ray " << i << ": other hits where rays are traced as scattered ones";
+            break;
+        }
     return hits;
 }
 

@@ -26,6 +26,13 @@ unsigned getIndexed(GLenum name, GLuint index) {
     return value > 0 ? static_cast<unsigned>(value) : 0;
 }
 
+bool hasSubgroups() {
+    if (!epoxy_has_gl_extension("GL_KHR_shader_subgroup")) return false;
+    const unsigned wanted = GL_SUBGROUP_FEATURE_BASIC_BIT_KHR | GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR;
+    return (get(GL_SUBGROUP_SUPPORTED_FEATURES_KHR) & wanted) == wanted &&
+           (get(GL_SUBGROUP_SUPPORTED_STAGES_KHR) & GL_COMPUTE_SHADER_BIT) != 0;
+}
+
 } // namespace
 
 GlLimits queryGlLimits(bool software) {
@@ -43,6 +50,7 @@ GlLimits queryGlLimits(bool software) {
     limits.arrayLayers = get(GL_MAX_ARRAY_TEXTURE_LAYERS);
     limits.groupCountX = getIndexed(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0);
     limits.groupCountY = getIndexed(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 1);
+    limits.subgroups = hasSubgroups();
     return limits;
 }
 

@@ -19,6 +19,7 @@ struct OptionTexts {
     std::string size = "512x512";
     std::string ambient = "0.1";
     std::string background = "0.32,0.4,0.5";
+    std::string rayOrder = "auto";
     std::string eye, lookAt, up;
     std::vector<std::string> lights;
 };
@@ -87,13 +88,19 @@ void addPictureOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts)
     for (CLI::Option* option : added) option->group(kPictureGroup);
 }
 
-void addQueryOptions(CLI::App& app, TraceOptions& options) {
+void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
     const std::vector<CLI::Option*> added = {
         app.add_option("--rays", options.raysPath,
                        "Trace these rays: float32 origin, tmin, direction, tmax each; -o gets "
                        "t, u, v, triangle each")
             ->type_name("FILE"),
         app.add_flag("--any-hit", options.anyHit, "Any hit will do, not the nearest"),
+        app.add_option(
+               "--ray-order", texts.rayOrder,
+               "Whether neighbours among the rays go about the same way; auto looks at a sample. The hits "
+               "are the same")
+            ->check(CLI::IsMember({"auto", "coherent", "scattered"}))
+            ->capture_default_str(),
         app.add_option("--repeat", options.repeat, "Warm up, trace the rays N times and report the median")
             ->check(CLI::Range(1, 100000))
             ->type_name("N"),
@@ -118,6 +125,8 @@ void convertTexts(const OptionTexts& texts, TraceOptions& options) {
     if (!texts.up.empty()) options.camera.up = parsePoint(texts.up, "--up");
     options.ambient = parseColor(texts.ambient, "--ambient");
     options.background = parseColor(texts.background, "--background");
+    if (texts.rayOrder == "coherent") options.rayOrder = RayOrder::Coherent;
+    if (texts.rayOrder == "scattered") options.rayOrder = RayOrder::Scattered;
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
 }
 
@@ -167,7 +176,7 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
         ->expected(1)
         ->take_all();
     addPictureOptions(app, options, texts);
-    addQueryOptions(app, options);
+    addQueryOptions(app, options, texts);
     app.add_option("--device", options.device,
                    "auto (hardware first), software, or an index of --list-devices")
         ->type_name("auto|software|N")

@@ -2,6 +2,7 @@
 #include "common/command_line.h"
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/lights.h"
+#include "tools/rt-trace/ray_order.h"
 
 #include <optional>
 #include <string>
@@ -30,6 +31,7 @@ struct TraceOptions {
     // Ray queries.
     std::string raysPath; ///< empty: a picture is wanted
     bool anyHit = false;
+    RayOrder rayOrder = RayOrder::Auto;
     unsigned repeat = 0; ///< 0: trace once, without warming the device up
 };
 

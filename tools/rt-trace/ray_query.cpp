@@ -13,8 +13,9 @@ namespace {
 constexpr std::uint64_t kMostRays = 1u << 24; // of a batch: 768 MiB of rays and hits
 constexpr const char* kFewerRays = "lower rt-grid's --resolution or trace fewer rays at a time";
 
-glm::uvec2 groupsFor(unsigned rays, const GlLimits& limits) {
-    const unsigned groups = (rays + kRaysPerGroup - 1) / kRaysPerGroup;
+glm::uvec2 groupsFor(unsigned rays, bool scattered, const GlLimits& limits) {
+    const unsigned perGroup = kRaysPerGroup * (scattered ? kRaysPerLane : 1);
+    const unsigned groups = (rays + perGroup - 1) / perGroup;
     const unsigned x = std::clamp(groups, 1u, limits.groupCountX);
     return {x, (groups + x - 1) / x};
 }
@@ -25,7 +26,8 @@ void bindStorage(GLuint binding, const GlBuffer& buffer) {
 
 } // namespace
 
-GpuRays::GpuRays(std::uint64_t rayCount, bool countWork, const GlLimits& limits, std::uint64_t maxBatch)
+GpuRays::GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
+                 std::uint64_t maxBatch)
     : limits_(limits) {
     const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
     const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
@@ -33,7 +35,8 @@ GpuRays::GpuRays(std::uint64_t rayCount, bool countWork, const GlLimits& limits,
     params_ = createDynamicBuffer(sizeof(QueryParams), kFewerRays);
     rays_ = createDynamicBuffer(batchSize_ * sizeof(QueryRay), kFewerRays);
     hits_ = createOutputBuffer(batchSize_ * sizeof(QueryHit), kFewerRays);
-    if (countWork) counters_ = createOutputBuffer(batchSize_ * sizeof(glm::uvec4), kFewerRays);
+    if (features.scatteredRays) queue_ = createDynamicBuffer(sizeof(std::uint32_t), kFewerRays);
+    if (features.countWork) counters_ = createOutputBuffer(batchSize_ * sizeof(glm::uvec4), kFewerRays);
 }
 
 void GpuRays::upload(std::span<const QueryRay> rays) {
@@ -47,20 +50,28 @@ void GpuRays::bind() const {
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_QUERY, params_.name());
     bindStorage(RT_BUFFER_RAYS, rays_);
     bindStorage(RT_BUFFER_HITS, hits_);
+    bindStorage(RT_BUFFER_QUEUE, queue_);
     bindStorage(RT_BUFFER_COUNTERS, counters_);
+}
+
+void GpuRays::restartQueue() const {
+    const std::uint32_t first = 0;
+    if (queue_.name()) updateBuffer(queue_, std::as_bytes(std::span(&first, 1)));
 }
 
 std::vector<double> GpuRays::trace(const GlProgram& program, unsigned passes, bool software) const {
     glUseProgram(program.name());
     bind();
-    const glm::uvec2 groups = groupsFor(count_, limits_);
+    const glm::uvec2 groups = groupsFor(count_, queue_.name() != 0, limits_);
     std::vector<GpuTimer> timers;
     for (unsigned pass = 0; pass < passes; ++pass) {
         GpuTimer& timer = timers.emplace_back(software);
         timer.begin();
+        restartQueue();
         glDispatchCompute(groups.x, groups.y, 1);
         timer.end();
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); // passes write the same hits
+        // Passes write the same hits and the same queue.
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     }
     std::vector<double> elapsedMs;
     for (const GpuTimer& timer : timers) elapsedMs.push_back(timer.elapsedMs());
@@ -72,6 +83,7 @@ void GpuRays::finishCompiling(const GlProgram& program) {
     upload({});
     glUseProgram(program.name());
     bind();
+    restartQueue();
     glDispatchCompute(1, 1, 1);
     glFinish();
     checkGl("starting the ray queries", kFewerRays);

@@ -2,6 +2,7 @@
 #include "formats/gpu_interface.shared.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/gl_objects.h"
+#include "tools/rt-trace/scene_features.h"
 
 #include <cstddef>
 #include <span>
@@ -13,9 +14,9 @@ namespace rt {
 /// a dispatch takes fewer. The buffers are made once, for batches to stream through.
 class GpuRays {
 public:
-    /// Makes room for batches of `rayCount` rays or of as many as a batch may have. `countWork`: for counters
-    /// too. `maxBatch` lowers the batches' size (tests).
-    GpuRays(std::uint64_t rayCount, bool countWork, const GlLimits& limits,
+    /// Makes room for batches of `rayCount` rays or of as many as a batch may have, and for what variants
+    /// with these features need besides. `maxBatch` lowers the batches' size (tests).
+    GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
             std::uint64_t maxBatch = ~std::uint64_t(0));
 
     std::uint64_t batchSize() const { return batchSize_; }
@@ -34,11 +35,12 @@ public:
 
 private:
     void bind() const;
+    void restartQueue() const;
 
     GlLimits limits_;
     std::uint64_t batchSize_;
     unsigned count_ = 0; // rays of the batch
-    GlBuffer params_, rays_, hits_, counters_;
+    GlBuffer params_, rays_, hits_, queue_, counters_;
 };
 
 } // namespace rt

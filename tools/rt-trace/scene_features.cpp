@@ -10,6 +10,9 @@ std::span<const FeatureRow> featureTable() {
     static constexpr FeatureRow kTable[] = {
         {"RT_STRUCTURE", &SceneFeatures::structure, "the atlas' structure kind"},
         {"RT_ANY_HIT", &SceneFeatures::anyHit, "--any-hit was asked for"},
+        {"RT_SCATTERED_RAYS", &SceneFeatures::scatteredRays, "neighbours among the rays go different ways"},
+        {"RT_SUBGROUPS", &SceneFeatures::subgroups,
+         "the device says which invocations run side by side, and scattered rays want to know"},
         {"RT_COUNT_WORK", &SceneFeatures::countWork, "--stats was asked for"},
         {"RT_HAS_TEXTURES", &SceneFeatures::hasTextures, "a material in use has a base-colour image"},
         {"RT_HAS_REFLECTION", &SceneFeatures::hasReflection, "a material in use reflects"},

@@ -10,6 +10,8 @@ namespace rt {
 struct SceneFeatures {
     unsigned structure = kStructureUniform;
     unsigned anyHit = 0;
+    unsigned scatteredRays = 0;
+    unsigned subgroups = 0;
     unsigned countWork = 0;
     unsigned hasTextures = 0;
     unsigned hasReflection = 0;

@@ -33,8 +33,8 @@ std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& fe
 
 // Storage buffers that the variant reads besides the arrays' pages.
 unsigned unpagedBuffers(const SceneFeatures& features, ShaderKind kind) {
-    if (kind == ShaderKind::Query) return features.countWork ? 3 : 2; // rays, hits, counters
-    return features.hasTextures ? 3 : 2;                              // materials, lights, images
+    if (kind == ShaderKind::Query) return 2 + features.countWork + features.scatteredRays; // rays, hits
+    return 2 + features.hasTextures; // materials, lights; images
 }
 
 // log2 of the most elements, a power of two, that `most` holds.
@@ -140,6 +140,9 @@ std::string queryText(const SceneFeatures& features) {
     std::string text = uniformText(RT_BINDING_QUERY, "QueryParams", "QueryBlock", "query") +
                        bufferText(RT_BUFFER_RAYS, "readonly", "QueryRay", "rays") +
                        bufferText(RT_BUFFER_HITS, "writeonly", "QueryHit", "hits");
+    if (features.scatteredRays)
+        text += fmt::format("layout(std430, binding = {}) restrict buffer QueueBlock {{ uint nextRay; }};\n",
+                            RT_BUFFER_QUEUE);
     if (features.countWork) text += bufferText(RT_BUFFER_COUNTERS, "writeonly", "uvec4", "counters");
     return text;
 }

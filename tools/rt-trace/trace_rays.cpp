@@ -3,6 +3,7 @@
 #include "common/error.h"
 #include "common/json_file.h"
 #include "common/log.h"
+#include "tools/rt-trace/ray_order.h"
 #include "tools/rt-trace/ray_query.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/shader_variant.h"
@@ -82,26 +83,39 @@ Traced traceBatches(std::span<const QueryRay> rays, GpuRays& gpuRays, const Quer
     return traced;
 }
 
+SceneFeatures featuresFor(const TraceOptions& options, const Atlas& atlas, std::span<const QueryRay> rays,
+                          const GlLimits& limits) {
+    SceneFeatures features = queryFeatures(atlas, options.anyHit);
+    // Where lanes cannot ask each other, those of scattered rays gain nothing from it.
+    features.scatteredRays = options.rayOrder == RayOrder::Auto
+                                 ? limits.subgroups && areScattered(rays, atlas.grid)
+                                 : options.rayOrder == RayOrder::Scattered;
+    features.subgroups = features.scatteredRays && limits.subgroups;
+    return features;
+}
+
 Traced trace(const TraceOptions& options, const Atlas& atlas, std::span<const QueryRay> rays,
              const GlContext& context, StageTimer& stages) {
     const std::string& name = options.scenePath;
     stages.begin("upload");
-    ResourcePlan plan = planResources(atlas, queryFeatures(atlas, options.anyHit), ShaderKind::Query,
-                                      context.limits().resources, name);
+    SceneFeatures features = featuresFor(options, atlas, rays, context.limits());
+    features.countWork = options.stats;
+    ResourcePlan plan = planResources(atlas, features, ShaderKind::Query, context.limits().resources, name);
     const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, name);
-    GpuRays gpuRays(rays.size(), options.stats, context.limits());
+    GpuRays gpuRays(rays.size(), features, context.limits());
     gpuAtlas.bind();
+    plan.features.countWork = 0;
     stages.begin("compile");
     QueryPrograms programs{compileVariant(plan), std::nullopt};
     gpuRays.finishCompiling(programs.timed);
     stages.end();
-    const SceneFeatures features = plan.features;
+    const SceneFeatures timed = plan.features;
     if (options.stats) {
         plan.features.countWork = 1;
         programs.counting = compileVariant(plan);
     }
     Traced traced = traceBatches(rays, gpuRays, programs, options.repeat, context.device().software, stages);
-    traced.features = features;
+    traced.features = timed;
     return traced;
 }
 
