@@ -81,13 +81,23 @@ double disputedDistance(const EmbreeTracer& tracer, const TracedRays& traced, st
     return std::max({distanceOf(expected), distanceOf(traced.got[i]), 0.0});
 }
 
+// Whether the hit would be right for a ray beside its own. At a silhouette that may be another triangle of
+// the same edge.
+bool fits(const QueryRay& ray, const QueryHit& beside, const QueryHit& got, bool anyHit) {
+    if (!isFault(classOf(ray, beside, got, anyHit))) return true;
+    const double apart = std::abs(distanceOf(got) - distanceOf(beside));
+    return !isMiss(beside) && !isMiss(got) &&
+           apart * glm::length(glm::dvec3(ray.directionTmax)) <=
+               kSameDistance * sizeOf(ray, distanceOf(beside));
+}
+
 bool isEdge(const EmbreeTracer& tracer, const TracedRays& traced, std::size_t i) {
     if (!isSound(traced.got[i])) return false;
     const std::vector<QueryRay> neighbours =
         neighboursOf(traced.rays[i], disputedDistance(tracer, traced, i));
     const std::vector<QueryHit> hits = tracer.trace(neighbours, traced.anyHit, 1).hits;
     return std::any_of(hits.begin(), hits.end(), [&](const QueryHit& hit) {
-        return !isFault(classOf(traced.rays[i], hit, traced.got[i], traced.anyHit));
+        return fits(traced.rays[i], hit, traced.got[i], traced.anyHit);
     });
 }
 

@@ -79,5 +79,24 @@ TEST(HitCheck, SilhouettesAreExcusedButHolesInASurfaceAreNot) {
     }
 }
 
+// A steep wedge seen past its edge: where a ray just beside the edge meets the front, one that rounding took
+// to the edge itself may have met the back.
+TEST(HitCheck, TheBackOfASilhouetteIsExcused) {
+    const glm::vec3 below(0.0f, -1.0f, 0.0f), above(0.0f, 1.0f, 0.0f);
+    const Mesh wedge =
+        test::makeTriangles({below, above, {-0.1f, 0.0f, 0.5f}, below, above, {-0.1f, 0.0f, -0.5f}});
+    const EmbreeTracer tracer(wedge, EmbreeMode::Robust, 1);
+    const std::vector<QueryRay> rays = {{{1e-7f, 0.1f, 2.0f, 0.0f}, {0.0f, 0.0f, -1.0f, 1e30f}}};
+    const std::vector<QueryHit> expected = tracer.trace(rays, false, 1).hits;
+    ASSERT_EQ(expected[0].tuvId.w, kNoTriangle);
+    for (const bool atEdge : {true, false}) {
+        const std::vector<QueryHit> got = {hitAt(atEdge ? 2.0f : 2.01f, 1)};
+        const TracedRays traced{rays, expected, got, false};
+        HitCounts counts = compareHits(traced);
+        excuseEdges(tracer, traced, counts);
+        EXPECT_EQ(counts[HitClass::Edge], atEdge ? 1u : 0u);
+    }
+}
+
 } // namespace
 } // namespace rt::bench
