@@ -3,6 +3,7 @@
     make_scene.py OUT.ply slivers COUNT          random slivers in the unit cube
     make_scene.py OUT.ply scatter COUNT MODEL    copies of a model on a floor of two triangles
     make_scene.py OUT.ply split MODEL            each triangle split in four
+    make_scene.py OUT.ply stadium MODEL          a model in a box of ten triangles, a hundred times as long
 
 Models are OBJ or PLY (ASCII or binary little-endian); positions and faces are read, nothing else.
 """
@@ -15,6 +16,7 @@ import sys
 
 SLIVER_LENGTH = 0.2
 SLIVER_HEIGHT = 0.001
+STADIUM_SIDE = 100  # of the model's
 FORMATS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I", "float": "f", "double": "d"}
 FORMATS |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"}
 FORMATS |= {"float32": "f", "float64": "d"}
@@ -162,6 +164,23 @@ def make_scatter(count, model):
     return out, faces
 
 
+def make_stadium(model):
+    """A model on the middle of a square floor with four walls a tenth as high, no roof."""
+    vertices, triangles = read_model(model)
+    lo = [min(vertices[axis::3]) for axis in range(3)]
+    hi = [max(vertices[axis::3]) for axis in range(3)]
+    middle = [0.5 * (lo[0] + hi[0]), lo[1], 0.5 * (lo[2] + hi[2])]
+    out = array.array("f", (v - middle[i % 3] for i, v in enumerate(vertices)))
+    first, half = len(out) // 3, STADIUM_SIDE / 2 * max(b - a for a, b in zip(lo, hi))
+    for y in (0.0, 0.2 * half):
+        for x, z in ((-half, -half), (half, -half), (half, half), (-half, half)):
+            out.extend((x, y, z))
+    quads = [(0, 1, 2, 3)] + [(i, (i + 1) % 4, (i + 1) % 4 + 4, i + 4) for i in range(4)]
+    for quad in quads:
+        add_fan(triangles, [first + corner for corner in quad])
+    return out, triangles
+
+
 def make_split(model):
     """Every triangle becomes four; triangles that share an edge share its middle."""
     vertices, triangles = read_model(model)
@@ -181,7 +200,7 @@ def make_split(model):
     return vertices, faces
 
 
-MAKERS = {"slivers": make_slivers, "scatter": make_scatter, "split": make_split}
+MAKERS = {"slivers": make_slivers, "scatter": make_scatter, "split": make_split, "stadium": make_stadium}
 
 
 def make(path, kind, *arguments):
