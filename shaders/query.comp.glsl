@@ -5,6 +5,7 @@
 #include "formats/gpu_interface.shared.h"
 #include "shaders/features.glsl"
 #include "shaders/resources.glsl"
+#include "shaders/real.glsl"
 #include "shaders/ray.glsl"
 #include "shaders/intersect.glsl"
 #include "shaders/traverse.glsl"
@@ -29,23 +30,26 @@ int scaleExponent(vec3 direction) {
 // The ray in atlas space, and what its t are to be multiplied by: world t = atlas t * tScale. World to atlas space, and the
 // direction to about unit size, are powers of two, so nothing is rounded but the origin's offset. False if there is no
 // way to go.
-bool loadRay(uint index, out Ray ray, out float tScale) {
+bool loadRay(uint index, out Ray ray, out real tScale) {
     vec4 originTmin = rays[index].originTmin;
     vec4 directionTmax = rays[index].directionTmax;
     int exponent = scaleExponent(directionTmax.xyz);
-    float directionScale = powerOfTwo(clamp(-exponent, -126, 127));
+    real directionScale = powerOfTwo(clamp(-exponent, -126, 127));
     tScale = directionScale / grid.worldOffset.w;
-    vec3 origin = (originTmin.xyz - grid.worldOffset.xyz) * grid.worldOffset.w;
-    ray = Ray(origin, directionTmax.xyz * directionScale, max(originTmin.w, 0.0f) / tScale, min(directionTmax.w / tScale, 3.4e38f));
+    real3 origin = (real3(originTmin.xyz) - grid.worldOffset.xyz) * grid.worldOffset.w;
+    ray = Ray(origin, directionTmax.xyz * directionScale, max(originTmin.w, 0.0f) / tScale, min(directionTmax.w / tScale, real(3.4e38f)));
     bool hasLength = originTmin.w <= directionTmax.w; // false for NaN
     return hasLength && isTraceable(originTmin.xyz, directionTmax.xyz);
 }
 
 // `hit` with t in world space.
 void store(uint index, Hit hit, WorkCounters work) {
-    uvec4 result = uvec4(floatBitsToUint(-1.0f), 0u, 0u, kNoTriangle);
-    if (hit.triangle != kNoTriangle) result = uvec4(floatBitsToUint(vec3(hit.t, hit.u, hit.v)), hit.triangle);
-    hits[index].tuvId = result;
+    if (hit.triangle == kNoTriangle) hit = Hit(-1.0f, 0.0f, 0.0f, kNoTriangle);
+#if RT_DOUBLE
+    hits[index] = QueryHitDouble(hit.t, hit.u, hit.v, hit.triangle, 0u);
+#else
+    hits[index].tuvId = uvec4(floatBitsToUint(vec3(hit.t, hit.u, hit.v)), hit.triangle);
+#endif
 #if RT_COUNT_WORK
     counters[index] = uvec4(work.rays, work.steps, work.tests, 0u);
 #endif
@@ -70,8 +74,8 @@ uint takeRay() {
 
 void main() {
     uint index = query.count.x; // of the ray that walks; none yet
-    float tScale;
-    float tEnter;
+    real tScale;
+    real tEnter;
     Walk w;
     w.walking = false;
     w.entryAt = 0u;
@@ -105,7 +109,7 @@ void main() {
     WorkCounters work = WorkCounters(0u, 0u, 0u);
     Hit hit = Hit(0.0f, 0.0f, 0.0f, kNoTriangle);
     Ray ray;
-    float tScale;
+    real tScale;
     if (loadRay(index, ray, tScale)) hit = trace(ray, kAnyHit, work);
     hit.t *= tScale;
     store(index, hit, work);
