@@ -30,29 +30,46 @@ struct Box {
     glm::ivec3 above{0};
 };
 
-// How good a box is: twelve bits of goodness above four that count the extents that are not 0.
+// How good a box is: goodness, which counts extents up to kUsefulExtent, above four bits that count those
+// that are not 0. That of two extents side by side in a word, and by how much it changes when a box is seen
+// from the next voxel above instead, are looked up.
 class BoxRank {
 public:
+    static constexpr int kNone = -0x4000; ///< of no box: still negative after a step
+
     static int of(std::uint32_t box) {
         return kOfPairs[box & 1023] + kOfPairs[box >> 10 & 1023] + kOfPairs[box >> 20 & 1023];
     }
+    /// Makes a box negative that does not contain the next voxel.
+    static int changeBy(std::uint32_t pair) { return kChanges[pair]; }
     static int openSides(int rank) { return rank & 15; }
 
 private:
-    static constexpr std::array<std::uint16_t, 1024> rankPairs() {
-        std::array<std::uint16_t, 1024> ranks{};
-        for (int i = 0; i < 1024; ++i) {
-            const int a = i & 31;
-            const int b = i >> 5;
-            const int goodness = std::min(a, kUsefulExtent) + std::min(b, kUsefulExtent);
+    using Table = std::array<std::int16_t, 1024>;
+    static constexpr int ofExtent(int extent) { return std::min(extent, kUsefulExtent) * 16 + (extent != 0); }
+    static constexpr Table rankPairs() {
+        Table ranks{};
+        for (int i = 0; i < 1024; ++i)
             ranks[static_cast<std::size_t>(i)] =
-                static_cast<std::uint16_t>(goodness * 16 + (a != 0) + (b != 0));
-        }
+                static_cast<std::int16_t>(ofExtent(i & 31) + ofExtent(i >> 5));
         return ranks;
     }
-    static const std::array<std::uint16_t, 1024> kOfPairs; // of two extents side by side in a word
+    static constexpr Table rankChanges() {
+        Table changes{};
+        for (int i = 0; i < 1024; ++i) {
+            const int below = i & 31;
+            const int above = i >> 5;
+            const int change = ofExtent(std::min(below + 1, kLargestExtent)) - ofExtent(below) +
+                               ofExtent(above - 1) - ofExtent(above);
+            changes[static_cast<std::size_t>(i)] = static_cast<std::int16_t>(above == 0 ? kNone : change);
+        }
+        return changes;
+    }
+    static const Table kOfPairs;
+    static const Table kChanges;
 };
-constexpr std::array<std::uint16_t, 1024> BoxRank::kOfPairs = BoxRank::rankPairs();
+constexpr BoxRank::Table BoxRank::kOfPairs = BoxRank::rankPairs();
+constexpr BoxRank::Table BoxRank::kChanges = BoxRank::rankChanges();
 
 // Grows a box round one voxel of a window: each face in turn moves by a step that doubles as long as the slab
 // in front of it is empty, and halves when it is not.
@@ -115,52 +132,73 @@ private:
     std::array<bool, 6> growing_;
 };
 
-// The box of the neighbour before it along `axis`, seen from this voxel, and its rank; -1 if the neighbour is
-// occupied or its box does not contain this voxel. Without branches that depend on the words: they would be
-// guessed wrong.
-int inherit(std::uint32_t neighbour, int axis, std::uint32_t& box) {
-    const int shift = 10 * axis;
-    const std::uint32_t below = neighbour >> shift & 31u;
-    const std::uint32_t above = neighbour >> (shift + 5) & 31u;
-    box = neighbour - (32u << shift) + (std::uint32_t(below < kLargestExtent) << shift);
-    const int rank = BoxRank::of(box);
-    return (above == 0) | ((neighbour & kOccupiedBit) != 0) ? -1 : rank;
-}
+// A box and how good it is; none at first.
+struct RankedBox {
+    std::uint32_t word = 0;
+    int rank = BoxRank::kNone;
 
-// The best of the boxes of the three neighbours before the voxel, or a new one where those are poor: growing
-// one costs much more than looking at them.
-std::uint32_t boxFor(const VoxelBlock& block, int openSides, const glm::ivec3& voxel,
-                     const std::uint32_t* word, const OccupancyWindow& window, int margin) {
-    std::uint32_t best = 0;
-    int bestRank = -1;
-    const auto consider = [&](int axis, std::ptrdiff_t stride) {
-        if (voxel[axis] == 0) return;
-        std::uint32_t box = 0;
-        const int rank = inherit(word[-stride], axis, box);
-        best = rank > bestRank ? box : best;
-        bestRank = std::max(rank, bestRank);
-    };
-    consider(0, 1);
-    consider(1, block.rowStride);
-    consider(2, block.sliceStride);
-    if (bestRank >= 0 && BoxRank::openSides(bestRank) >= openSides) return best;
-    const Box grown = BoxGrower(window, voxel + block.first, std::min(margin, kLargestExtent)).grow();
-    const std::uint32_t box = freeBoxWord(grown.below, grown.above);
-    return BoxRank::of(box) > bestRank ? box : best;
-}
+    // Takes the box of the neighbour before the voxel along `axis`, seen from the voxel, if it is better.
+    // Without branches that depend on the words: they would be guessed wrong.
+    void inherit(std::uint32_t neighbour, int neighbourRank, int axis) {
+        const int shift = 10 * axis;
+        const std::uint32_t pair = neighbour >> shift & 1023u;
+        const int seen = neighbourRank + BoxRank::changeBy(pair);
+        const std::uint32_t box =
+            neighbour - (32u << shift) + (std::uint32_t((pair & 31u) < kLargestExtent) << shift);
+        word = seen > rank ? box : word;
+        rank = std::max(seen, rank);
+    }
+};
 
-// The window shows the block and `margin` voxels round it. openSides: an inherited box must reach beyond the
-// voxel itself on so many sides.
-void growBlock(const VoxelBlock& block, int openSides, const OccupancyWindow& window, int margin) {
-    for (int z = 0; z < block.size.z; ++z)
-        for (int y = 0; y < block.size.y; ++y) {
-            std::uint32_t* const row = block.word({0, y, z});
-            const std::uint64_t occupied = window.row(y + margin, z + margin) >> margin;
-            for (int x = 0; x < block.size.x; ++x)
-                if (!(occupied >> x & 1))
-                    row[x] = boxFor(block, openSides, {x, y, z}, row + x, window, margin);
+// Gives the empty voxels of a block their boxes, x fastest: the best of those of the three neighbours before
+// a voxel, or a new one where those are poor, since to grow one costs much more than to look at them.
+class BlockGrower {
+public:
+    // The window shows the block and `margin` voxels round it. openSides: an inherited box must reach beyond
+    // the voxel itself on so many sides.
+    BlockGrower(const VoxelBlock& block, int openSides, const OccupancyWindow& window, int margin)
+        : block_(block), openSides_(openSides), window_(window), margin_(margin) {}
+
+    void grow() {
+        const glm::ivec3& size = block_.size;
+        std::fill_n(ranks_.begin(), size.x * size.y, std::int16_t(BoxRank::kNone));
+        for (int z = 0; z < size.z; ++z)
+            for (int y = 0; y < size.y; ++y) growRow(y, z);
+    }
+
+private:
+    void growRow(int y, int z) {
+        std::uint32_t* const row = block_.word({0, y, z});
+        std::int16_t* const ranks = &ranks_[static_cast<std::size_t>(y * block_.size.x)];
+        const std::uint64_t occupied = window_.row(y + margin_, z + margin_) >> margin_;
+        RankedBox before;
+        for (int x = 0; x < block_.size.x; ++x) {
+            RankedBox best;
+            if (!(occupied >> x & 1)) {
+                best.inherit(before.word, before.rank, 0);
+                if (y > 0) best.inherit(row[x - block_.rowStride], ranks[x - block_.size.x], 1);
+                if (z > 0) best.inherit(row[x - block_.sliceStride], ranks[x], 2);
+                if (best.rank < 0 || BoxRank::openSides(best.rank) < openSides_) growNew({x, y, z}, best);
+                row[x] = best.word;
+            }
+            ranks[x] = static_cast<std::int16_t>(best.rank);
+            before = best;
         }
-}
+    }
+    void growNew(const glm::ivec3& voxel, RankedBox& best) const {
+        const Box grown = BoxGrower(window_, voxel + block_.first, std::min(margin_, kLargestExtent)).grow();
+        const std::uint32_t box = freeBoxWord(grown.below, grown.above);
+        const int rank = BoxRank::of(box);
+        if (rank > best.rank) best = {box, rank};
+    }
+
+    const VoxelBlock& block_;
+    const int openSides_;
+    const OccupancyWindow& window_;
+    const int margin_;
+    // Of the slice's voxels, and of the one before where this one has not come yet; kNone where occupied.
+    std::array<std::int16_t, std::size_t(1) << (2 * kMaxBrickShift)> ranks_;
+};
 
 // What all blocks have in common.
 struct Growth {
@@ -185,7 +223,7 @@ void growGridTile(const Growth& growth, const glm::ivec3& first) {
     const glm::ivec3 around(std::max(reach - 1, 0));
     const VoxelBlock tile = gridBlock(growth, first, end, first - kGridMargin);
     const VoxelBlock known = gridBlock(growth, first - around, end + around, first - kGridMargin);
-    growBlock(tile, kGridOpenSides, window, kGridMargin);
+    BlockGrower(tile, kGridOpenSides, window, kGridMargin).grow();
     growExits(window, tile, known, growth.nested.references.data(), reach);
 }
 
@@ -196,7 +234,7 @@ void growBrick(const Growth& growth, const BrickPlace& place) {
     window.show(growth.occupancy, place.level, place.first - margin, side + 2 * margin);
     const VoxelBlock block{growth.nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side,
                            glm::ivec3(margin)};
-    growBlock(block, kOpenSides, window, margin);
+    BlockGrower(block, kOpenSides, window, margin).grow();
     growExits(window, block, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
 }
 

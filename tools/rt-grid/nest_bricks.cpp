@@ -68,6 +68,30 @@ private:
     std::uint64_t words_ = 0;
 };
 
+// A triangle in a voxel of a brick.
+struct Entry {
+    std::uint32_t cell;
+    std::uint32_t triangle;
+};
+
+// Makes entries of the brick's triangles and counts them in its voxels' words.
+RT_WIDE_LANES void binInto(const BrickPlace& place, const Nesting& nesting,
+                           std::span<const std::uint32_t> list, std::uint32_t* counts,
+                           std::vector<Entry>& entries) {
+    const double pad = padCellsFor(nesting.layout.dims, place.level);
+    const VoxelSpace space(nesting.layout, place.level, place.first);
+    const glm::uvec3 dims(1u << place.shift);
+    entries.clear();
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        if (i + kAhead < list.size()) __builtin_prefetch(&nesting.triangles[list[i + kAhead]]);
+        const std::uint32_t id = list[i];
+        forEachVoxelOf(space.of(nesting.triangles[id]), dims, pad, [&](std::uint32_t cell) {
+            ++counts[cell];
+            entries.push_back({cell, id});
+        });
+    }
+}
+
 class BlockBuilder {
 public:
     BlockBuilder(const Nesting& nesting, Block& block)
@@ -122,39 +146,11 @@ private:
         return brickWord(offset, shift);
     }
 
-    // A triangle in a voxel of a brick.
-    struct Entry {
-        std::uint32_t cell;
-        std::uint32_t triangle;
-    };
-
-    // Makes entries_ of the brick's triangles and counts them in its voxels' words.
-    void binInto(const BrickPlace& place, std::span<const std::uint32_t> list) {
-        const double pad = padCellsFor(nesting_.layout.dims, place.level);
-        const glm::dvec3 voxelsPerUnit = std::ldexp(1.0, place.level) / glm::dvec3(nesting_.layout.cellSize);
-        const glm::dvec3 first = glm::dvec3(nesting_.layout.gridLo) * voxelsPerUnit + glm::dvec3(place.first);
-        const auto inBrick = [&](const glm::vec4& corner) {
-            return glm::dvec3(corner) * voxelsPerUnit - first;
-        };
-        entries_.clear();
-        std::uint32_t* const counts = block_.bricks.data() + place.offset;
-        for (std::size_t i = 0; i < list.size(); ++i) {
-            if (i + kAhead < list.size()) __builtin_prefetch(&nesting_.triangles[list[i + kAhead]]);
-            const std::uint32_t id = list[i];
-            const TriangleRecord& triangle = nesting_.triangles[id];
-            const VoxelTriangle t{inBrick(triangle.v0), inBrick(triangle.v1), inBrick(triangle.v2)};
-            forEachVoxelOf(t, glm::uvec3(1u << place.shift), pad, [&](const glm::uvec3& at) {
-                const std::uint32_t cell = (((at.z << place.shift) + at.y) << place.shift) + at.x;
-                ++counts[cell];
-                entries_.push_back({cell, id});
-            });
-        }
-        words_.take(entries_.size());
-    }
-
     void fillBrick(const Pending pending) {
         const BrickPlace place = block_.places[pending.place];
-        binInto(place, std::span(lists_).subspan(pending.firstInList, pending.count));
+        binInto(place, nesting_, std::span(lists_).subspan(pending.firstInList, pending.count),
+                block_.bricks.data() + place.offset, entries_);
+        words_.take(entries_.size());
         const bool deepest = place.depth >= nesting_.options.maxDepth;
         crowded_.clear();
         ends_.resize(place.words());
