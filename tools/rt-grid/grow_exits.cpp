@@ -1,6 +1,6 @@
 #include "tools/rt-grid/grow_exits.h"
 
-#include "formats/atlas.shared.h"
+#include "tools/rt-grid/triangle_lists.h"
 
 #include <algorithm>
 #include <array>
@@ -11,38 +11,10 @@
 namespace rt {
 namespace {
 
-// Reads the triangles of a list, ascending.
-class ListReader {
-public:
-    explicit ListReader(const std::uint32_t* list) : next_(list + kListHeaderWords) {}
-    bool read(std::uint32_t& triangle) {
-        if (!next_) return false;
-        const std::uint32_t entry = *next_;
-        next_ = entry & kLastInList ? nullptr : next_ + 1;
-        triangle = entry & ~kLastInList;
-        return true;
-    }
-
-private:
-    const std::uint32_t* next_; // none after the last
-};
-
 std::uint64_t signatureOf(ListReader list) {
     std::uint64_t signature = 0;
     for (std::uint32_t triangle = 0; list.read(triangle);) signature |= std::uint64_t(1) << (triangle & 63);
     return signature;
-}
-
-bool isSubset(ListReader part, ListReader whole) {
-    std::uint32_t wanted = 0;
-    std::uint32_t found = 0;
-    while (part.read(wanted)) {
-        do
-            if (!whole.read(found)) return false;
-        while (found < wanted);
-        if (found != wanted) return false;
-    }
-    return true;
 }
 
 // Bit x of a row of voxels: whether boxes may not step from voxel x over that face. Faces: x down, x up, y
@@ -53,17 +25,16 @@ class ExitBox {
 public:
     // rows: those of z = 0, one after the other, before those of z = 1.
     ExitBox(const FaceRows* rows, std::ptrdiff_t stride, const glm::ivec3& voxel)
-        : rows_(rows), stride_(stride), lo_(voxel), hi_(voxel) {}
+        : rows_(rows), stride_(stride), lo_(voxel), hi_(voxel), across_(row(voxel.y, voxel.z)) {}
 
     // How far beyond the voxel the box reaches on each side.
     std::uint32_t grow(int reach) {
         const glm::ivec3 voxel = lo_;
-        const FaceRows& own = rows_[voxel.z * stride_ + voxel.y];
         std::array<bool, 6> grows;
-        for (std::size_t face = 0; face < 6; ++face) grows[face] = !(own[face] >> voxel.x & 1);
+        for (std::size_t face = 0; face < 6; ++face) grows[face] = !(across_[face] >> voxel.x & 1);
         for (int i = 0; i < reach; ++i) {
-            grows[0] = grows[0] && step<0, 0>();
-            grows[1] = grows[1] && step<0, 1>();
+            grows[0] = grows[0] && stepX<0>();
+            grows[1] = grows[1] && stepX<1>();
             grows[2] = grows[2] && step<1, 0>();
             grows[3] = grows[3] && step<1, 1>();
             grows[4] = grows[4] && step<2, 0>();
@@ -73,24 +44,39 @@ public:
     }
 
 private:
-    // Moves the face by one voxel if the box may step over it everywhere.
+    const FaceRows& row(int y, int z) const { return rows_[z * stride_ + y]; }
+
+    // Each moves a face by one voxel if the box may step over it everywhere.
+    template <int kUp>
+    bool stepX() {
+        if (across_[kUp] >> (kUp ? hi_ : lo_).x & 1) return false;
+        (kUp ? hi_ : lo_).x += 2 * kUp - 1;
+        return true;
+    }
     template <int kAxis, int kUp>
     bool step() {
-        glm::ivec3 lo = lo_;
-        glm::ivec3 hi = hi_;
-        lo[kAxis] = hi[kAxis] = kUp ? hi_[kAxis] : lo_[kAxis];
+        constexpr int kOther = 3 - kAxis; // the rows of the face stand side by side along this axis
+        const std::ptrdiff_t stride = kOther == 1 ? 1 : stride_;
+        const int count = hi_[kOther] - lo_[kOther] + 1;
+        glm::ivec3 first = lo_;
+        first[kAxis] = (kUp ? hi_ : lo_)[kAxis];
         std::uint64_t blocked = 0;
-        const FaceRows* slice = rows_ + lo.z * stride_;
-        for (int z = lo.z; z <= hi.z; ++z, slice += stride_)
-            for (int y = lo.y; y <= hi.y; ++y) blocked |= slice[y][2 * kAxis + kUp];
-        if (blocked & (~std::uint64_t(0) >> (63 - (hi.x - lo.x))) << lo.x) return false;
-        (kUp ? hi_ : lo_)[kAxis] += 2 * kUp - 1;
+        const FaceRows* rows = &row(first.y, first.z);
+        for (int i = 0; i < count; ++i, rows += stride) blocked |= (*rows)[2 * kAxis + kUp];
+        if (blocked & (~std::uint64_t(0) >> (63 - (hi_.x - lo_.x))) << lo_.x) return false;
+        (kUp ? hi_ : lo_)[kAxis] = first[kAxis] += 2 * kUp - 1;
+        rows = &row(first.y, first.z);
+        for (int i = 0; i < count; ++i, rows += stride) {
+            across_[0] |= (*rows)[0];
+            across_[1] |= (*rows)[1];
+        }
         return true;
     }
 
     const FaceRows* rows_;
     std::ptrdiff_t stride_;
     glm::ivec3 lo_, hi_; // both included
+    FaceRows across_;    // x down and x up of all rows of the box in one
 };
 
 class ExitGrower {
