@@ -235,7 +235,7 @@ void growBrick(const Growth& growth, const BrickPlace& place) {
     const VoxelBlock block{growth.nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side,
                            glm::ivec3(margin)};
     BlockGrower(block, kOpenSides, window, margin).grow();
-    growExits(window, block, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
+    growExits(window, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
 }
 
 } // namespace

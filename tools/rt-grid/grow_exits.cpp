@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <glm/vector_relational.hpp>
 #include <memory>
 #include <vector>
 
@@ -79,36 +80,44 @@ private:
     FaceRows across_;    // x down and x up of all rows of the box in one
 };
 
+// The faces over which boxes may step round a block, and its leaves.
 class ExitGrower {
 public:
+    // Only occupancy blocks steps at first: into voxels that hold something.
     ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references, int reach);
 
+    // Opens the faces that the lists' headers name: see LeafRelations.
+    void openNamed();
+    // Opens the faces between leaves by their lists.
+    void openByLists();
+    // Gives the leaves in `block`, a part of the object's own, their boxes.
     void growAll(const VoxelBlock& block);
 
 private:
+    struct Leaf {
+        glm::ivec3 voxel; // of the block
+        std::uint32_t list;
+    };
     void blockByOccupancy();
-    void readLists();
-    void relateLists();
-    void relate(const glm::ivec3& lower, int axis);
-
+    void findLeaves();
+    void open(const glm::ivec3& voxel, int face) {
+        const glm::ivec3 place = placeOf(voxel);
+        FaceRows& row = faces_[static_cast<std::size_t>(place.z * rowsPerSlice() + place.y)];
+        row[static_cast<std::size_t>(face)] &= ~(std::uint64_t(1) << place.x);
+    }
     std::ptrdiff_t rowsPerSlice() const { return last_.y - first_.y + 1; }
     // Where a voxel of the block is found in faces_.
     glm::ivec3 placeOf(const glm::ivec3& voxel) const {
         return block_.first + voxel - glm::ivec3(0, first_.y, first_.z);
-    }
-    std::size_t indexOf(const glm::ivec3& inBlock) const {
-        return static_cast<std::size_t>((inBlock.z * block_.size.y + inBlock.y) * block_.size.x + inBlock.x);
     }
 
     const OccupancyWindow& window_;
     const VoxelBlock& block_;
     std::uint32_t* references_;
     int reach_;
-    glm::ivec3 first_, last_;             // voxels of the window from which boxes may step on
-    std::unique_ptr<FaceRows[]> faces_;   // of their rows
-    std::vector<std::uint64_t> leafRows_; // of the block: bit x is set where there is a leaf
-    std::unique_ptr<std::uint64_t[]>
-        signatures_; // of its leaves: bit i is set for triangles that are i modulo 64
+    glm::ivec3 first_, last_;           // voxels of the window from which boxes may step on
+    std::unique_ptr<FaceRows[]> faces_; // of their rows
+    std::vector<Leaf> leaves_;          // of the block, x fastest
 };
 
 ExitGrower::ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references,
@@ -117,8 +126,7 @@ ExitGrower::ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, s
       first_(glm::max(block.first - reach, glm::ivec3(0))),
       last_(glm::min(block.first + block.size - 1 + reach, glm::ivec3(window.side() - 1))) {
     blockByOccupancy();
-    readLists();
-    relateLists();
+    findLeaves();
 }
 
 void ExitGrower::blockByOccupancy() {
@@ -138,80 +146,78 @@ void ExitGrower::blockByOccupancy() {
     }
 }
 
-void ExitGrower::readLists() {
+void ExitGrower::findLeaves() {
     const glm::ivec3& size = block_.size;
     const std::uint64_t columns = ~std::uint64_t(0) >> (64 - size.x);
-    signatures_ = std::make_unique_for_overwrite<std::uint64_t[]>(indexOf({0, 0, size.z}));
-    leafRows_.reserve(static_cast<std::size_t>(size.y * size.z));
     for (int z = 0; z < size.z; ++z)
         for (int y = 0; y < size.y; ++y) {
-            const std::uint64_t occupied =
+            std::uint64_t occupied =
                 window_.row(y + block_.first.y, z + block_.first.z) >> block_.first.x & columns;
-            std::uint64_t leaves = occupied;
-            for (std::uint64_t bits = occupied; bits != 0; bits &= bits - 1) {
-                const glm::ivec3 voxel(std::countr_zero(bits), y, z);
+            for (; occupied != 0; occupied &= occupied - 1) {
+                const glm::ivec3 voxel(std::countr_zero(occupied), y, z);
                 const std::uint32_t word = *block_.word(voxel);
-                if (isBrick(word))
-                    leaves &= ~(bits & -bits);
-                else
-                    signatures_[indexOf(voxel)] = signatureOf(ListReader(references_ + leafList(word)));
+                if (!isBrick(word)) leaves_.push_back({voxel, leafList(word)});
             }
-            leafRows_.push_back(leaves);
         }
 }
 
-void ExitGrower::relateLists() {
+void ExitGrower::openNamed() {
+    for (const Leaf& leaf : leaves_)
+        for (std::uint32_t faces = references_[leaf.list]; faces != 0; faces &= faces - 1)
+            open(leaf.voxel, std::countr_zero(faces));
+}
+
+void ExitGrower::openByLists() {
     const glm::ivec3& size = block_.size;
-    const std::uint64_t* leaves = leafRows_.data();
-    const auto relateAll = [&](std::uint64_t pairs, int y, int z, int axis) {
-        for (; pairs != 0; pairs &= pairs - 1) relate({std::countr_zero(pairs), y, z}, axis);
+    std::vector<const Leaf*> leafAt(static_cast<std::size_t>(size.x * size.y * size.z)); // or none
+    std::vector<std::uint64_t> signatures;
+    const auto indexOf = [&](const glm::ivec3& v) {
+        return static_cast<std::size_t>((v.z * size.y + v.y) * size.x + v.x);
     };
-    for (int z = 0; z < size.z; ++z)
-        for (int y = 0; y < size.y; ++y, ++leaves) {
-            relateAll(leaves[0] & leaves[0] >> 1, y, z, 0);
-            if (y + 1 < size.y) relateAll(leaves[0] & leaves[1], y, z, 1);
-            if (z + 1 < size.z) relateAll(leaves[0] & leaves[size.y], y, z, 2);
+    for (const Leaf& leaf : leaves_) {
+        leafAt[indexOf(leaf.voxel)] = &leaf;
+        signatures.push_back(signatureOf(ListReader(references_ + leaf.list)));
+    }
+    const auto listsAll = [&](const Leaf& leaf, const Leaf& other) {
+        if (signatures[&other - leaves_.data()] & ~signatures[&leaf - leaves_.data()]) return false;
+        return isSubset(ListReader(references_ + other.list), ListReader(references_ + leaf.list));
+    };
+    for (const Leaf& leaf : leaves_)
+        for (int axis = 0; axis < 3; ++axis) {
+            glm::ivec3 next = leaf.voxel;
+            if (++next[axis] == size[axis]) continue;
+            const Leaf* const above = leafAt[indexOf(next)];
+            if (!above) continue;
+            if (listsAll(leaf, *above)) open(leaf.voxel, 2 * axis + 1);
+            if (listsAll(*above, leaf)) open(next, 2 * axis);
         }
 }
 
-// Lets boxes step between two leaves of the block side by side, the lower one given, where that is allowed.
-void ExitGrower::relate(const glm::ivec3& lower, int axis) {
-    glm::ivec3 upper = lower;
-    ++upper[axis];
-    const std::uint64_t a = signatures_[indexOf(lower)];
-    const std::uint64_t b = signatures_[indexOf(upper)];
-    if ((a & ~b) != 0 && (b & ~a) != 0) return;
-    const ListReader listA(references_ + leafList(*block_.word(lower)));
-    const ListReader listB(references_ + leafList(*block_.word(upper)));
-    const auto open = [&](const glm::ivec3& from, int face) {
-        const glm::ivec3 place = placeOf(from);
-        FaceRows& row = faces_[static_cast<std::size_t>(place.z * rowsPerSlice() + place.y)];
-        row[static_cast<std::size_t>(face)] &= ~(std::uint64_t(1) << place.x);
-    };
-    if ((a & ~b) == 0 && isSubset(listA, listB)) open(upper, 2 * axis);
-    if ((b & ~a) == 0 && isSubset(listB, listA)) open(lower, 2 * axis + 1);
-}
-
-// The block is a part of the one that the object was made for.
 void ExitGrower::growAll(const VoxelBlock& block) {
-    const glm::ivec3 inner = block.first - block_.first;
-    const std::uint64_t columns = (~std::uint64_t(0) >> (64 - block.size.x)) << inner.x;
-    for (int z = inner.z; z < inner.z + block.size.z; ++z)
-        for (int y = inner.y; y < inner.y + block.size.y; ++y) {
-            std::uint64_t leaves = leafRows_[static_cast<std::size_t>(z * block_.size.y + y)] & columns;
-            for (; leaves != 0; leaves &= leaves - 1) {
-                const glm::ivec3 voxel(std::countr_zero(leaves), y, z);
-                std::uint32_t& exitBox = references_[leafList(*block_.word(voxel))];
-                exitBox = ExitBox(faces_.get(), rowsPerSlice(), placeOf(voxel)).grow(reach_);
-            }
-        }
+    const glm::ivec3 lo = block.first - block_.first;
+    const glm::ivec3 hi = lo + block.size;
+    for (const Leaf& leaf : leaves_) {
+        if (glm::any(glm::lessThan(leaf.voxel, lo)) || glm::any(glm::greaterThanEqual(leaf.voxel, hi)))
+            continue;
+        references_[leaf.list] = ExitBox(faces_.get(), rowsPerSlice(), placeOf(leaf.voxel)).grow(reach_);
+    }
 }
 
 } // namespace
 
+void growExits(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references, int reach) {
+    if (reach == 0) return;
+    ExitGrower grower(window, block, references, reach);
+    grower.openNamed();
+    grower.growAll(block);
+}
+
 void growExits(const OccupancyWindow& window, const VoxelBlock& block, const VoxelBlock& known,
                std::uint32_t* references, int reach) {
-    if (reach > 0) ExitGrower(window, known, references, reach).growAll(block);
+    if (reach == 0) return;
+    ExitGrower grower(window, known, references, reach);
+    grower.openByLists();
+    grower.growAll(block);
 }
 
 } // namespace rt

@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "tools/rt-grid/brick_cost.h"
+#include "tools/rt-grid/leaf_relations.h"
 
 #include <tbb/parallel_for.h>
 
@@ -77,17 +78,19 @@ struct Entry {
 // Makes entries of the brick's triangles and counts them in its voxels' words.
 RT_WIDE_LANES void binInto(const BrickPlace& place, const Nesting& nesting,
                            std::span<const std::uint32_t> list, std::uint32_t* counts,
-                           std::vector<Entry>& entries) {
+                           std::vector<Entry>& entries, LeafRelations& relations) {
     const double pad = padCellsFor(nesting.layout.dims, place.level);
     const VoxelSpace space(nesting.layout, place.level, place.first);
     const glm::uvec3 dims(1u << place.shift);
     entries.clear();
+    relations.begin(place.words(), list.size());
     for (std::size_t i = 0; i < list.size(); ++i) {
         if (i + kAhead < list.size()) __builtin_prefetch(&nesting.triangles[list[i + kAhead]]);
         const std::uint32_t id = list[i];
         forEachVoxelOf(space.of(nesting.triangles[id]), dims, pad, [&](std::uint32_t cell) {
             ++counts[cell];
             entries.push_back({cell, id});
+            relations.add(cell, i);
         });
     }
 }
@@ -149,10 +152,11 @@ private:
     void fillBrick(const Pending pending) {
         const BrickPlace place = block_.places[pending.place];
         binInto(place, nesting_, std::span(lists_).subspan(pending.firstInList, pending.count),
-                block_.bricks.data() + place.offset, entries_);
+                block_.bricks.data() + place.offset, entries_, relations_);
         words_.take(entries_.size());
         const bool deepest = place.depth >= nesting_.options.maxDepth;
         crowded_.clear();
+        leaves_.clear();
         ends_.resize(place.words());
         std::size_t end = lists_.size();
         for (std::uint32_t cell = 0; cell < place.words(); ++cell) {
@@ -162,6 +166,7 @@ private:
                 const std::uint32_t offset = newLeaf(count);
                 ends_[cell] = offset + kListHeaderWords;
                 block_.bricks[place.offset + cell] = leafWord(offset);
+                leaves_.push_back(cell);
                 continue;
             }
             crowded_.push_back({cell, end, count});
@@ -174,6 +179,9 @@ private:
             (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) |= entry.triangle;
         }
         for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
+        if (nesting_.options.exitReach > 0)
+            relations_.nameSteps(std::span(block_.bricks).subspan(place.offset, place.words()), place.shift,
+                                 leaves_, block_.references.data());
     }
 
     // A voxel that may become a brick.
@@ -190,6 +198,7 @@ private:
         const int shift = parted ? nesting_.cost.shiftFor(list, parent.level) : 0;
         if (shift == 0) {
             block_.bricks[parent.offset + voxel.cell] = leafWord(copyLeaf(list));
+            leaves_.push_back(voxel.cell);
             return;
         }
         const std::uint32_t side = 1u << parent.shift;
@@ -208,6 +217,8 @@ private:
     std::vector<Entry> entries_;       // of the brick that is being filled
     std::vector<std::uint32_t> ends_;
     std::vector<Crowded> crowded_;
+    std::vector<std::uint32_t> leaves_; // that brick's
+    LeafRelations relations_;
 };
 
 struct BlockStart {

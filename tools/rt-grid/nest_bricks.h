@@ -27,7 +27,8 @@ struct WordArray {
     SharedSpan<std::uint32_t> share() const { return {std::span(words.get(), size), words}; }
 };
 
-/// A nested structure without its boxes: empty voxels are 0, exit boxes too.
+/// A nested structure without its boxes: empty voxels are 0. The exit boxes of leaves in bricks name steps
+/// from leaf to leaf instead: see LeafRelations.
 struct NestedVoxels {
     std::vector<std::uint32_t> voxels;
     WordArray bricks;
