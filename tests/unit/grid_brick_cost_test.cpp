@@ -10,7 +10,7 @@
 namespace rt {
 namespace {
 
-std::vector<TriangleRecord> recordsOf(const Mesh& mesh) {
+FreshArray<TriangleRecord> recordsOf(const Mesh& mesh) {
     return rebaseTriangles(mesh, Rebase{});
 }
 

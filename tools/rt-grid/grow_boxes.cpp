@@ -241,7 +241,7 @@ void growBrick(const Growth& growth, const BrickPlace& place) {
 } // namespace
 
 void growBoxes(NestedVoxels& nested, const glm::uvec3& dims, int exitReach) {
-    const std::span<const std::uint32_t> bricks(nested.bricks.data(), nested.bricks.size);
+    const std::span<const std::uint32_t> bricks = nested.bricks;
     const Growth growth{
         nested,
         {glm::ivec3(dims), nested.voxels, bricks, OccupancyBits(nested.voxels), OccupancyBits(bricks)},
