@@ -1,38 +1,28 @@
 #pragma once
 #include "common/binary_io.h"
 
-#include <cstdlib>
 #include <memory>
-#include <new>
-#include <sys/mman.h>
 
 namespace rt {
 
-/// Values in memory that nobody has written before: filling it from several threads is what costs. Kept by
-/// all copies together.
+/// Memory that nobody has written before, in large pages where the system has them. Throws std::bad_alloc.
+std::shared_ptr<void> freshMemory(std::size_t bytes);
+
+/// An array in such memory, for values that are all written anyway: clearing them first on one core would
+/// cost as much as computing them on several. Kept by all its copies together.
 template <class T>
 class FreshArray : public std::span<T> {
 public:
-    explicit FreshArray(std::size_t count = 0) : FreshArray(count, allocate(count)) {}
-    SharedSpan<T> share() const { return {*this, owner_}; }
+    explicit FreshArray(std::size_t count = 0)
+        : FreshArray(count, count == 0 ? nullptr : freshMemory(count * sizeof(T))) {}
+    SharedSpan<T> share() const { return {*this, memory_}; }
 
 private:
-    static constexpr std::size_t kHugePage = std::size_t(1) << 21; // bytes
+    static_assert(std::is_trivially_copyable_v<T>);
+    FreshArray(std::size_t count, std::shared_ptr<void> memory)
+        : std::span<T>(static_cast<T*>(memory.get()), count), memory_(std::move(memory)) {}
 
-    FreshArray(std::size_t count, std::shared_ptr<T[]> owner)
-        : std::span<T>(owner.get(), count), owner_(std::move(owner)) {}
-    static std::shared_ptr<T[]> allocate(std::size_t count) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        if (count == 0) return {};
-        const std::size_t page = count * sizeof(T) < kHugePage ? alignof(std::max_align_t) : kHugePage;
-        const std::size_t bytes = (count * sizeof(T) + page - 1) / page * page;
-        void* const memory = std::aligned_alloc(page, bytes);
-        if (!memory) throw std::bad_alloc();
-        if (page == kHugePage) madvise(memory, bytes, MADV_HUGEPAGE); // only a wish: fewer page faults
-        return std::shared_ptr<T[]>(static_cast<T*>(memory), std::free);
-    }
-
-    std::shared_ptr<T[]> owner_;
+    std::shared_ptr<void> memory_;
 };
 
 } // namespace rt

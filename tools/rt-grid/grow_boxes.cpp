@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 namespace rt {
 namespace {
@@ -78,35 +79,49 @@ public:
     BoxGrower(const OccupancyWindow& window, const glm::ivec3& voxel, int margin)
         : window_(window), lo_(voxel), hi_(voxel), voxel_(voxel), margin_(margin),
           rows_(window.row(voxel.y, voxel.z)) {
-        step_.fill(1);
-        growing_.fill(true);
+        faces_.fill({margin > 0 ? 1 : 0, true});
     }
     Box grow() {
-        for (bool any = true; any;) {
-            any = false;
-            for (int face = 0; face < 6; ++face) any = tryFace(face) || any;
+        unsigned moving = freeFaces(); // bit i: face i has not come to rest
+        while (moving != 0) {
+            for (unsigned left = moving; left != 0; left &= left - 1) {
+                const int face = std::countr_zero(left);
+                if (!moveFace(face)) moving &= ~(1u << face);
+            }
         }
         return {voxel_ - lo_, hi_ - voxel_};
     }
 
 private:
+    struct Face {
+        int step;
+        bool growing; // the step still doubles
+    };
+
+    // Those with an empty voxel in front of them: most others rest from the start.
+    unsigned freeFaces() const {
+        if (margin_ == 0) return 0;
+        const auto [x, y, z] = std::array{voxel_.x, voxel_.y, voxel_.z};
+        const std::uint64_t occupied =
+            (rows_ >> (x - 1) & 1) | (rows_ >> (x + 1) & 1) << 1 | (window_.row(y - 1, z) >> x & 1) << 2 |
+            (window_.row(y + 1, z) >> x & 1) << 3 | (window_.row(y, z - 1) >> x & 1) << 4 |
+            (window_.row(y, z + 1) >> x & 1) << 5;
+        return static_cast<unsigned>(~occupied & 63);
+    }
     // Returns false once the face has come to rest.
-    bool tryFace(int face) {
-        int& step = step_[static_cast<std::size_t>(face)];
-        if (step == 0) return false;
-        const int axis = face >> 1;
-        const bool up = face & 1;
-        const int room = margin_ - (up ? hi_[axis] - voxel_[axis] : voxel_[axis] - lo_[axis]);
-        step = std::min(step, room);
-        if (step == 0) return false;
-        bool& growing = growing_[static_cast<std::size_t>(face)];
-        if (tryStep(axis, up, step)) {
-            step = growing ? std::min(2 * step, kLargestStep) : step / 2;
+    bool moveFace(int number) {
+        Face& face = faces_[static_cast<std::size_t>(number)];
+        const int axis = number >> 1;
+        const bool up = number & 1;
+        if (tryStep(axis, up, face.step)) {
+            face.step = face.growing ? std::min(2 * face.step, kLargestStep) : face.step / 2;
         } else {
-            growing = false;
-            step /= 2;
+            face.growing = false;
+            face.step /= 2;
         }
-        return true;
+        const int room = margin_ - (up ? hi_[axis] - voxel_[axis] : voxel_[axis] - lo_[axis]);
+        face.step = std::min(face.step, room);
+        return face.step != 0;
     }
     bool tryStep(int axis, bool up, int step) {
         const int from = up ? hi_[axis] + 1 : lo_[axis] - step;
@@ -128,8 +143,7 @@ private:
     glm::ivec3 lo_, hi_, voxel_;
     int margin_;
     std::uint64_t rows_; // all rows of the box in one
-    std::array<int, 6> step_;
-    std::array<bool, 6> growing_;
+    std::array<Face, 6> faces_;
 };
 
 // A box and how good it is; none at first.
