@@ -8,6 +8,7 @@ namespace rt {
 /// architecture has instructions for or the compiler takes apart.
 using Lanes = double __attribute__((vector_size(32)));
 using IntLanes = int __attribute__((vector_size(16)));
+using BitLanes = long __attribute__((vector_size(32))); ///< what comparisons of Lanes give, 0 or -1, too
 
 /// Compiles a function, and all that is inlined into it, once more for processors with AVX2, and takes that
 /// where it runs. The results are the same: no operation is fused or reordered.

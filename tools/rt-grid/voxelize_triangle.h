@@ -23,6 +23,7 @@ namespace voxelize {
 struct Indices {
     int lo;
     int hi;
+    int count() const { return hi - lo + 1; }
 };
 
 /// Indices from lo to hi, both included and not yet rounded to whole ones. Lane 0 is lo, lane 1 is -hi, the
@@ -119,12 +120,21 @@ private:
     Lanes normalV_;
 };
 
+/// The plane's axis. All three corners count: a sliver's normal is mostly rounding.
+inline Shadows planeShadows(const Component& u, const Component& v, const Component& w,
+                            const glm::dvec3& normal, double pad) {
+    const Lanes d = normal.x * u.corner + normal.y * v.corner + normal.z * w.corner;
+    return {allLanes(std::min({d[0], d[1], d[2]})), allLanes(std::max({d[0], d[1], d[2]})),
+            allLanes(0.5 * (normal.x + normal.y + normal.z)),
+            allLanes((0.5 + pad) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)))};
+}
+
 /// The plane's condition and those of the edges seen along v: solved for w.
 class ColumnSolver {
 public:
     ColumnSolver(const Component& u, const Component& v, const Component& w, const glm::dvec3& normal,
                  double pad)
-        : ColumnSolver(EdgeAxes(w, u, pad), planeOf(u, v, w, normal, pad), normal) {}
+        : ColumnSolver(EdgeAxes(w, u, pad), planeShadows(u, v, w, normal, pad), normal) {}
     Range at(int u, int v) const {
         return conditions_.solve(normalU_ * static_cast<double>(u) + normalV_ * static_cast<double>(v));
     }
@@ -134,17 +144,32 @@ private:
         : conditions_(withLast(axes.normalU, normal.z), withLast(axes.shadows.lo, plane.lo[0]),
                       withLast(axes.shadows.hi, plane.hi[0])),
           normalU_(withLast(axes.normalV, normal.x)), normalV_(withLast(allLanes(0.0), normal.y)) {}
-    // All three corners count: a sliver's normal is mostly rounding.
-    static Shadows planeOf(const Component& u, const Component& v, const Component& w,
-                           const glm::dvec3& normal, double pad) {
-        const Lanes d = normal.x * u.corner + normal.y * v.corner + normal.z * w.corner;
-        return {allLanes(std::min({d[0], d[1], d[2]})), allLanes(std::max({d[0], d[1], d[2]})),
-                allLanes(0.5 * (normal.x + normal.y + normal.z)),
-                allLanes((0.5 + pad) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)))};
-    }
     Conditions conditions_;
     Lanes normalU_, normalV_;
 };
+
+/// x, y and z, each of all three corners and then of the first one again.
+inline std::array<Lanes, 3> transposed(const VoxelTriangle& t) {
+    const Lanes abXZ = __builtin_shufflevector(t[0], t[1], 0, 4, 2, 6);
+    const Lanes abY = __builtin_shufflevector(t[0], t[1], 1, 5, 3, 7);
+    const Lanes caXZ = __builtin_shufflevector(t[2], t[0], 0, 4, 2, 6);
+    const Lanes caY = __builtin_shufflevector(t[2], t[0], 1, 5, 3, 7);
+    return {__builtin_shufflevector(abXZ, caXZ, 0, 1, 4, 5), __builtin_shufflevector(abY, caY, 0, 1, 4, 5),
+            __builtin_shufflevector(abXZ, caXZ, 2, 3, 6, 7)};
+}
+
+inline Lanes normalOf(const VoxelTriangle& t) {
+    const auto yzx = [](const Lanes& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); };
+    const Lanes a = t[1] - t[0];
+    const Lanes b = t[2] - t[0];
+    return yzx(a * yzx(b) - yzx(a) * b);
+}
+
+inline std::size_t longestComponent(const Lanes& v) {
+    const Lanes a = absolute(v);
+    const double most = std::max(a[0], a[1]);
+    return a[2] >= most ? 2u : static_cast<std::size_t>(a[1] >= a[0]);
+}
 
 /// Voxels along each axis that the bounds of a triangle, grown by the pad, meet.
 struct Box {
@@ -168,6 +193,95 @@ struct Box {
         }
     }
 };
+
+/// Which voxels of a box of at most 4x4x4 a triangle meets: bit x + 4 y + 16 z, counted from the box's first
+/// voxel. Tries them all, four in a row at once, which is quicker than to solve conditions for so few.
+class SmallBox {
+public:
+    static constexpr int kSide = 4;
+    static bool holds(const Box& box) {
+        return box.along[0].count() <= kSide && box.along[1].count() <= kSide &&
+               box.along[2].count() <= kSide;
+    }
+
+    SmallBox(const Box& box, double pad) : box_(box), pad_(pad) {}
+    std::uint64_t voxelsOf(const VoxelTriangle& t) const;
+
+private:
+    static constexpr std::array<int, 3> kStride{1, 4, 16}; // bits from one voxel to the next
+
+    /// The bits of all voxels of the box.
+    std::uint64_t all() const {
+        return inFirst(0) * copies(1, box_.along[1].count()) * copies(2, box_.along[2].count());
+    }
+    std::uint64_t inFirst(std::size_t axis) const { return copies(axis, box_.along[axis].count()); }
+    /// Times this, bits of voxels are set again in so many, one after the other along an axis.
+    static std::uint64_t copies(std::size_t axis, int count) {
+        constexpr std::array<std::uint64_t, 3> kCopies{0xF, 0x1111, 0x0001000100010001};
+        return kCopies[axis] & (~std::uint64_t(0) >> (64 - count * kStride[axis]));
+    }
+    Lanes indices(std::size_t axis) const {
+        return allLanes(box_.along[axis].lo) + Lanes{0.0, 1.0, 2.0, 3.0};
+    }
+    static BitLanes rowBits(std::size_t axis) {
+        const int s = kStride[axis];
+        return BitLanes{1, 1L << s, 1L << 2 * s, 1L << 3 * s};
+    }
+    static std::uint64_t anyOf(const BitLanes& bits) {
+        return static_cast<std::uint64_t>(bits[0] | bits[1] | bits[2] | bits[3]);
+    }
+    std::uint64_t seenAlong(const std::array<Component, 3>& xyz, std::size_t axis) const;
+    std::uint64_t nearPlane(const std::array<Component, 3>& xyz, const Lanes& normal) const;
+
+    const Box& box_;
+    double pad_;
+};
+
+/// Voxels that the edges' conditions seen along an axis let pass.
+inline std::uint64_t SmallBox::seenAlong(const std::array<Component, 3>& xyz, std::size_t axis) const {
+    const std::size_t u = (axis + 1) % 3;
+    const std::size_t v = (axis + 2) % 3;
+    const EdgeAxes axes(xyz[u], xyz[v], pad_);
+    const Lanes us = indices(u);
+    BitLanes bits = rowBits(u);
+    BitLanes met{};
+    for (int i = box_.along[v].lo; i <= box_.along[v].hi; ++i) {
+        const Lanes others = axes.normalV * static_cast<double>(i);
+        BitLanes meets = bits;
+        for (int edge = 0; edge < 3; ++edge) {
+            const Lanes value = axes.normalU[edge] * us + others[edge];
+            meets &= (value >= axes.shadows.lo[edge]) & (value <= axes.shadows.hi[edge]);
+        }
+        met |= meets;
+        bits <<= kStride[v];
+    }
+    return anyOf(met) * copies(axis, kSide);
+}
+
+/// Voxels that the plane's condition lets pass.
+inline std::uint64_t SmallBox::nearPlane(const std::array<Component, 3>& xyz, const Lanes& normal) const {
+    const Shadows plane = planeShadows(xyz[0], xyz[1], xyz[2], {normal[0], normal[1], normal[2]}, pad_);
+    const Lanes along = normal[0] * indices(0);
+    BitLanes met{};
+    for (int z = box_.along[2].lo; z <= box_.along[2].hi; ++z)
+        for (int y = box_.along[1].lo; y <= box_.along[1].hi; ++y) {
+            const Lanes value = along + (normal[1] * y + normal[2] * z);
+            const BitLanes bits =
+                rowBits(0) << (kStride[1] * (y - box_.along[1].lo) + kStride[2] * (z - box_.along[2].lo));
+            met |= bits & (value >= plane.lo) & (value <= plane.hi);
+        }
+    return anyOf(met);
+}
+
+inline std::uint64_t SmallBox::voxelsOf(const VoxelTriangle& t) const {
+    const std::array<Lanes, 3> corners = transposed(t);
+    const std::array<Component, 3> xyz{Component(corners[0]), Component(corners[1]), Component(corners[2])};
+    std::uint64_t met = all();
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if ((box_.longAxes | 1u << axis) == 7) met &= seenAlong(xyz, axis);
+    if (box_.longAxes == 7) met &= nearPlane(xyz, normalOf(t));
+    return met;
+}
 
 /// A triangle's components and its box with the axes turned, so that a given one comes last, and how far
 /// apart in memory voxels are along them.
@@ -228,29 +342,6 @@ void visitOverlaps(const Turned& t, const glm::dvec3& normal, double pad, Visit&
     }
 }
 
-/// x, y and z, each of all three corners and then of the first one again.
-inline std::array<Lanes, 3> transposed(const VoxelTriangle& t) {
-    const Lanes abXZ = __builtin_shufflevector(t[0], t[1], 0, 4, 2, 6);
-    const Lanes abY = __builtin_shufflevector(t[0], t[1], 1, 5, 3, 7);
-    const Lanes caXZ = __builtin_shufflevector(t[2], t[0], 0, 4, 2, 6);
-    const Lanes caY = __builtin_shufflevector(t[2], t[0], 1, 5, 3, 7);
-    return {__builtin_shufflevector(abXZ, caXZ, 0, 1, 4, 5), __builtin_shufflevector(abY, caY, 0, 1, 4, 5),
-            __builtin_shufflevector(abXZ, caXZ, 2, 3, 6, 7)};
-}
-
-inline Lanes normalOf(const VoxelTriangle& t) {
-    const auto yzx = [](const Lanes& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); };
-    const Lanes a = t[1] - t[0];
-    const Lanes b = t[2] - t[0];
-    return yzx(a * yzx(b) - yzx(a) * b);
-}
-
-inline std::size_t longestComponent(const Lanes& v) {
-    const Lanes a = absolute(v);
-    const double most = std::max(a[0], a[1]);
-    return a[2] >= most ? 2u : static_cast<std::size_t>(a[1] >= a[0]);
-}
-
 } // namespace voxelize
 
 /// Calls visit(std::uint32_t index) once for each voxel of a grid of `dims` voxels, counted x fastest, whose
@@ -264,6 +355,16 @@ void forEachVoxelOf(const VoxelTriangle& triangle, const glm::uvec3& dims, doubl
     const Box box(triangle, IntLanes{int(dims.x) - 1, int(dims.y) - 1, int(dims.z) - 1, 0}, pad);
     if (box.empty) return;
     const std::array<std::uint32_t, 3> strides{1u, dims.x, dims.x * dims.y};
+    if (std::popcount(box.longAxes) >= 2 && SmallBox::holds(box)) {
+        const std::uint32_t first = static_cast<std::uint32_t>(box.along[2].lo) * strides[2] +
+                                    static_cast<std::uint32_t>(box.along[1].lo) * strides[1] +
+                                    static_cast<std::uint32_t>(box.along[0].lo);
+        for (std::uint64_t met = SmallBox(box, pad).voxelsOf(triangle); met != 0; met &= met - 1) {
+            const auto bit = static_cast<std::uint32_t>(std::countr_zero(met));
+            visit(first + (bit & 3) + (bit >> 2 & 3) * strides[1] + (bit >> 4) * strides[2]);
+        }
+        return;
+    }
     switch (box.longAxes) {
     case 7: {
         const Lanes normal = normalOf(triangle);
