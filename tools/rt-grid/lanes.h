@@ -1,4 +1,5 @@
 #pragma once
+#include <cstring>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
@@ -27,8 +28,9 @@ inline Lanes lanesOf(const glm::dvec3& v, double last = 0.0) {
 /// x, y, z and 0: w may hold other bits than a number's.
 inline Lanes lanesOf(const glm::vec4& v) {
     using FloatLanes = float __attribute__((vector_size(16)));
-    const FloatLanes all{v.x, v.y, v.z, 0.0f};
-    return __builtin_convertvector(all, Lanes);
+    FloatLanes all;
+    std::memcpy(&all, &v, sizeof all);
+    return __builtin_convertvector(__builtin_shufflevector(all, FloatLanes{}, 0, 1, 2, 7), Lanes);
 }
 inline Lanes lesser(const Lanes& a, const Lanes& b) {
     return a < b ? a : b;
@@ -51,9 +53,9 @@ inline IntLanes greater(const IntLanes& a, const IntLanes& b) {
 /// The least whole numbers that are not below the values, which std::ceil gives too: absolute values up to
 /// 2^30 only, but quicker.
 inline IntLanes wholeAbove(const Lanes& a) {
-    const IntLanes whole = __builtin_convertvector(a, IntLanes);
-    const auto isLess = __builtin_convertvector(whole, Lanes) < a; // -1 where it is
-    return whole - __builtin_convertvector(isLess, IntLanes);
+    constexpr double kOnlyWhole = 0x3p51; // sums with it have no digits after the point
+    const Lanes nearest = (a + kOnlyWhole) - kOnlyWhole;
+    return __builtin_convertvector(nearest + (nearest < a ? allLanes(1.0) : allLanes(0.0)), IntLanes);
 }
 
 } // namespace rt

@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <utility>
@@ -16,7 +17,8 @@ namespace rt {
 namespace {
 
 constexpr std::size_t kVoxelsPerBlock = 64;
-constexpr std::size_t kAhead = 8; // triangles asked from memory before their turn
+constexpr std::size_t kBatch =
+    16; // triangles that are asked from memory, and whose boxes are found, together
 constexpr double kLargestSpread =
     2.0; // voxels that a triangle meets on average where a brick parts triangles
 
@@ -101,14 +103,22 @@ RT_WIDE_LANES void binInto(const BrickPlace& place, const Nesting& nesting,
     const glm::uvec3 dims(1u << place.shift);
     entries.clear();
     relations.begin(place.words(), list.size());
-    for (std::size_t i = 0; i < list.size(); ++i) {
-        if (i + kAhead < list.size()) __builtin_prefetch(&nesting.triangles[list[i + kAhead]]);
-        const std::uint32_t id = list[i];
-        forEachVoxelOf(space.of(nesting.triangles[id]), dims, pad, [&](std::uint32_t cell) {
-            ++counts[cell];
-            entries.push_back({cell, id});
-            relations.add(cell, i);
-        });
+    std::array<VoxelTriangle, kBatch> corners;
+    std::array<voxelize::Box, kBatch> boxes;
+    for (std::size_t first = 0; first < list.size(); first += kBatch) {
+        const std::size_t count = std::min(kBatch, list.size() - first);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (first + i + kBatch < list.size())
+                __builtin_prefetch(&nesting.triangles[list[first + i + kBatch]]);
+            corners[i] = space.of(nesting.triangles[list[first + i]]);
+            boxes[i] = voxelize::Box(corners[i], dims, pad);
+        }
+        for (std::size_t i = 0; i < count; ++i)
+            forEachVoxelOf(corners[i], boxes[i], dims, pad, [&](std::uint32_t cell) {
+                ++counts[cell];
+                entries.push_back({cell, list[first + i]});
+                relations.add(cell, first + i);
+            });
     }
 }
 

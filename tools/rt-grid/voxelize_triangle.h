@@ -177,7 +177,9 @@ struct Box {
     unsigned longAxes = 0;        ///< bit i: along axis i they are several, were the grid endless
     bool empty = false;
 
-    Box(const VoxelTriangle& t, const IntLanes& last, double pad) {
+    Box() = default;
+    Box(const VoxelTriangle& t, const glm::uvec3& dims, double pad) {
+        const IntLanes last{int(dims.x) - 1, int(dims.y) - 1, int(dims.z) - 1, 0};
         constexpr double kFar = 0x1p30; // farther ones are as good as here
         const auto bounded = [](const Lanes& v) {
             return greater(lesser(v, allLanes(kFar)), allLanes(-kFar));
@@ -210,77 +212,81 @@ public:
 private:
     static constexpr std::array<int, 3> kStride{1, 4, 16}; // bits from one voxel to the next
 
-    /// The bits of all voxels of the box.
-    std::uint64_t all() const {
-        return inFirst(0) * copies(1, box_.along[1].count()) * copies(2, box_.along[2].count());
-    }
-    std::uint64_t inFirst(std::size_t axis) const { return copies(axis, box_.along[axis].count()); }
-    /// Times this, bits of voxels are set again in so many, one after the other along an axis.
-    static std::uint64_t copies(std::size_t axis, int count) {
+    /// Times this, bits of voxels are set in so many, one after the other along an axis.
+    template <std::size_t kAxis>
+    static std::uint64_t copies(int count) {
         constexpr std::array<std::uint64_t, 3> kCopies{0xF, 0x1111, 0x0001000100010001};
-        return kCopies[axis] & (~std::uint64_t(0) >> (64 - count * kStride[axis]));
+        return kCopies[kAxis] & (~std::uint64_t(0) >> (64 - count * kStride[kAxis]));
     }
-    Lanes indices(std::size_t axis) const {
+    /// The voxels of the box.
+    std::uint64_t all() const {
+        return copies<0>(box_.along[0].count()) * copies<1>(box_.along[1].count()) *
+               copies<2>(box_.along[2].count());
+    }
+    /// Four voxels one after the other: their indices and bits.
+    Lanes indicesAlong(std::size_t axis) const {
         return allLanes(box_.along[axis].lo) + Lanes{0.0, 1.0, 2.0, 3.0};
     }
-    static BitLanes rowBits(std::size_t axis) {
-        const int s = kStride[axis];
-        return BitLanes{1, 1L << s, 1L << 2 * s, 1L << 3 * s};
+    template <std::size_t kAxis>
+    static BitLanes bitsAlong() {
+        constexpr int kStep = kStride[kAxis];
+        return BitLanes{1, 1L << kStep, 1L << 2 * kStep, 1L << 3 * kStep};
     }
-    static std::uint64_t anyOf(const BitLanes& bits) {
+    static std::uint64_t together(const BitLanes& bits) {
         return static_cast<std::uint64_t>(bits[0] | bits[1] | bits[2] | bits[3]);
     }
-    std::uint64_t seenAlong(const std::array<Component, 3>& xyz, std::size_t axis) const;
+    template <std::size_t kAxis>
+    std::uint64_t seenAlong(const std::array<Component, 3>& xyz) const;
     std::uint64_t nearPlane(const std::array<Component, 3>& xyz, const Lanes& normal) const;
 
     const Box& box_;
     double pad_;
 };
 
-/// Voxels that the edges' conditions seen along an axis let pass.
-inline std::uint64_t SmallBox::seenAlong(const std::array<Component, 3>& xyz, std::size_t axis) const {
-    const std::size_t u = (axis + 1) % 3;
-    const std::size_t v = (axis + 2) % 3;
-    const EdgeAxes axes(xyz[u], xyz[v], pad_);
-    const Lanes us = indices(u);
-    BitLanes bits = rowBits(u);
+/// Voxels that the edges' conditions let pass, seen along an axis.
+template <std::size_t kAxis>
+std::uint64_t SmallBox::seenAlong(const std::array<Component, 3>& xyz) const {
+    constexpr std::size_t kU = (kAxis + 1) % 3;
+    constexpr std::size_t kV = (kAxis + 2) % 3;
+    if ((box_.longAxes | 1u << kAxis) != 7) return ~std::uint64_t(0); // the bounds decide
+    const EdgeAxes axes(xyz[kU], xyz[kV], pad_);
+    const Lanes us = indicesAlong(kU);
+    BitLanes bits = bitsAlong<kU>();
     BitLanes met{};
-    for (int i = box_.along[v].lo; i <= box_.along[v].hi; ++i) {
-        const Lanes others = axes.normalV * static_cast<double>(i);
+    for (int v = box_.along[kV].lo; v <= box_.along[kV].hi; ++v, bits <<= kStride[kV]) {
+        const Lanes others = axes.normalV * static_cast<double>(v);
         BitLanes meets = bits;
         for (int edge = 0; edge < 3; ++edge) {
             const Lanes value = axes.normalU[edge] * us + others[edge];
             meets &= (value >= axes.shadows.lo[edge]) & (value <= axes.shadows.hi[edge]);
         }
         met |= meets;
-        bits <<= kStride[v];
     }
-    return anyOf(met) * copies(axis, kSide);
+    return together(met) * copies<kAxis>(kSide);
 }
 
 /// Voxels that the plane's condition lets pass.
 inline std::uint64_t SmallBox::nearPlane(const std::array<Component, 3>& xyz, const Lanes& normal) const {
     const Shadows plane = planeShadows(xyz[0], xyz[1], xyz[2], {normal[0], normal[1], normal[2]}, pad_);
-    const Lanes along = normal[0] * indices(0);
+    const Lanes alongX = normal[0] * indicesAlong(0);
+    const auto& [boxX, boxY, boxZ] = box_.along;
     BitLanes met{};
-    for (int z = box_.along[2].lo; z <= box_.along[2].hi; ++z)
-        for (int y = box_.along[1].lo; y <= box_.along[1].hi; ++y) {
-            const Lanes value = along + (normal[1] * y + normal[2] * z);
-            const BitLanes bits =
-                rowBits(0) << (kStride[1] * (y - box_.along[1].lo) + kStride[2] * (z - box_.along[2].lo));
+    BitLanes layer = bitsAlong<0>();
+    for (int z = boxZ.lo; z <= boxZ.hi; ++z, layer <<= kStride[2]) {
+        BitLanes bits = layer;
+        for (int y = boxY.lo; y <= boxY.hi; ++y, bits <<= kStride[1]) {
+            const Lanes value = alongX + (normal[1] * y + normal[2] * z);
             met |= bits & (value >= plane.lo) & (value <= plane.hi);
         }
-    return anyOf(met);
+    }
+    return together(met);
 }
 
 inline std::uint64_t SmallBox::voxelsOf(const VoxelTriangle& t) const {
     const std::array<Lanes, 3> corners = transposed(t);
     const std::array<Component, 3> xyz{Component(corners[0]), Component(corners[1]), Component(corners[2])};
-    std::uint64_t met = all();
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        if ((box_.longAxes | 1u << axis) == 7) met &= seenAlong(xyz, axis);
-    if (box_.longAxes == 7) met &= nearPlane(xyz, normalOf(t));
-    return met;
+    const std::uint64_t met = all() & seenAlong<0>(xyz) & seenAlong<1>(xyz) & seenAlong<2>(xyz);
+    return box_.longAxes == 7 ? met & nearPlane(xyz, normalOf(t)) : met;
 }
 
 /// A triangle's components and its box with the axes turned, so that a given one comes last, and how far
@@ -344,15 +350,11 @@ void visitOverlaps(const Turned& t, const glm::dvec3& normal, double pad, Visit&
 
 } // namespace voxelize
 
-/// Calls visit(std::uint32_t index) once for each voxel of a grid of `dims` voxels, counted x fastest, whose
-/// cube, grown by `pad` on every side, meets the triangle. Exact but for rounding of about 1e-15 * dims
-/// voxels, which the pad swallows: a voxel that the triangle enters is never missed. Triangles may be
-/// degenerate (a segment, a point) but must be finite. Source: the separating axes of Akenine-Moller 2001,
-/// evaluated by columns as in Schwarz & Seidel 2010.
+/// forEachVoxelOf() where the triangle's box is known: to find those of several triangles first is quicker.
 template <class Visit>
-void forEachVoxelOf(const VoxelTriangle& triangle, const glm::uvec3& dims, double pad, Visit&& visit) {
+void forEachVoxelOf(const VoxelTriangle& triangle, const voxelize::Box& box, const glm::uvec3& dims,
+                    double pad, Visit&& visit) {
     using namespace voxelize;
-    const Box box(triangle, IntLanes{int(dims.x) - 1, int(dims.y) - 1, int(dims.z) - 1, 0}, pad);
     if (box.empty) return;
     const std::array<std::uint32_t, 3> strides{1u, dims.x, dims.x * dims.y};
     if (std::popcount(box.longAxes) >= 2 && SmallBox::holds(box)) {
@@ -385,6 +387,16 @@ void forEachVoxelOf(const VoxelTriangle& triangle, const glm::uvec3& dims, doubl
                 visitRow(static_cast<std::uint32_t>(z) * strides[2] + static_cast<std::uint32_t>(y) * dims.x,
                          box.along[0], 1u, visit);
     }
+}
+
+/// Calls visit(std::uint32_t index) once for each voxel of a grid of `dims` voxels, counted x fastest, whose
+/// cube, grown by `pad` on every side, meets the triangle. Exact but for rounding of about 1e-15 * dims
+/// voxels, which the pad swallows: a voxel that the triangle enters is never missed. Triangles may be
+/// degenerate (a segment, a point) but must be finite. Source: the separating axes of Akenine-Moller 2001,
+/// evaluated by columns as in Schwarz & Seidel 2010.
+template <class Visit>
+void forEachVoxelOf(const VoxelTriangle& triangle, const glm::uvec3& dims, double pad, Visit&& visit) {
+    forEachVoxelOf(triangle, voxelize::Box(triangle, dims, pad), dims, pad, visit);
 }
 
 } // namespace rt
