@@ -3,6 +3,7 @@
 #include "tools/rt-grid/grow_exits.h"
 #include "tools/rt-grid/occupancy.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -214,6 +215,11 @@ private:
     std::array<std::int16_t, std::size_t(1) << (2 * kMaxBrickShift)> ranks_;
 };
 
+RT_WIDE_LANES void growBlock(const VoxelBlock& block, int openSides, const OccupancyWindow& window,
+                             int margin) {
+    BlockGrower(block, openSides, window, margin).grow();
+}
+
 // What all blocks have in common.
 struct Growth {
     NestedVoxels& nested;
@@ -229,27 +235,33 @@ VoxelBlock gridBlock(const Growth& growth, const glm::ivec3& lo, const glm::ivec
             std::ptrdiff_t(dims.x) * dims.y, first - windowFirst};
 }
 
-void growGridTile(const Growth& growth, const glm::ivec3& first) {
+// What a thread uses for one block after the other.
+struct Workspace {
     OccupancyWindow window;
+    ExitGrower exits;
+};
+
+void growGridTile(const Growth& growth, const glm::ivec3& first, Workspace& workspace) {
+    OccupancyWindow& window = workspace.window;
     window.show(growth.occupancy, 0, first - kGridMargin, kGridTile + 2 * kGridMargin);
     const int reach = std::min(growth.exitReach, kGridMargin);
     const glm::ivec3 end = first + kGridTile;
     const glm::ivec3 around(std::max(reach - 1, 0));
     const VoxelBlock tile = gridBlock(growth, first, end, first - kGridMargin);
     const VoxelBlock known = gridBlock(growth, first - around, end + around, first - kGridMargin);
-    BlockGrower(tile, kGridOpenSides, window, kGridMargin).grow();
-    growExits(window, tile, known, growth.nested.references.data(), reach);
+    growBlock(tile, kGridOpenSides, window, kGridMargin);
+    workspace.exits.grow(window, tile, known, growth.nested.references.data(), reach);
 }
 
-void growBrick(const Growth& growth, const BrickPlace& place) {
+void growBrick(const Growth& growth, const BrickPlace& place, Workspace& workspace) {
     const int side = 1 << place.shift;
     const int margin = marginFor(side);
-    OccupancyWindow window;
+    OccupancyWindow& window = workspace.window;
     window.show(growth.occupancy, place.level, place.first - margin, side + 2 * margin);
     const VoxelBlock block{growth.nested.bricks.data() + place.offset, glm::ivec3(side), side, side * side,
                            glm::ivec3(margin)};
-    BlockGrower(block, kOpenSides, window, margin).grow();
-    growExits(window, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
+    growBlock(block, kOpenSides, window, margin);
+    workspace.exits.grow(window, block, growth.nested.references.data(), std::min(growth.exitReach, margin));
 }
 
 } // namespace
@@ -260,13 +272,14 @@ void growBoxes(NestedVoxels& nested, const glm::uvec3& dims, int exitReach) {
         nested,
         {glm::ivec3(dims), nested.voxels, bricks, OccupancyBits(nested.voxels), OccupancyBits(bricks)},
         exitReach};
+    tbb::enumerable_thread_specific<Workspace> workspaces;
     const glm::ivec3 tiles = (glm::ivec3(dims) + (kGridTile - 1)) / kGridTile;
     tbb::parallel_for(0, tiles.x * tiles.y * tiles.z, [&](int tile) {
         const glm::ivec3 at(tile % tiles.x, tile / tiles.x % tiles.y, tile / tiles.x / tiles.y);
-        growGridTile(growth, at * kGridTile);
+        growGridTile(growth, at * kGridTile, workspaces.local());
     });
     tbb::parallel_for(std::size_t(0), nested.places.size(),
-                      [&](std::size_t i) { growBrick(growth, nested.places[i]); });
+                      [&](std::size_t i) { growBrick(growth, nested.places[i], workspaces.local()); });
 }
 
 } // namespace rt

@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <glm/vector_relational.hpp>
-#include <memory>
 #include <vector>
 
 namespace rt {
@@ -18,9 +17,7 @@ std::uint64_t signatureOf(ListReader list) {
     return signature;
 }
 
-// Bit x of a row of voxels: whether boxes may not step from voxel x over that face. Faces: x down, x up, y
-// down, ...
-using FaceRows = std::array<std::uint64_t, 6>;
+using FaceRows = ExitGrower::FaceRows;
 
 class ExitBox {
 public:
@@ -80,82 +77,54 @@ private:
     FaceRows across_;    // x down and x up of all rows of the box in one
 };
 
-// The faces over which boxes may step round a block, and its leaves.
-class ExitGrower {
-public:
-    // Only occupancy blocks steps at first: into voxels that hold something.
-    ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references, int reach);
+} // namespace
 
-    // Opens the faces that the lists' headers name: see LeafRelations.
-    void openNamed();
-    // Opens the faces between leaves by their lists.
-    void openByLists();
-    // Gives the leaves in `block`, a part of the object's own, their boxes.
-    void growAll(const VoxelBlock& block);
-
-private:
-    struct Leaf {
-        glm::ivec3 voxel; // of the block
-        std::uint32_t list;
-    };
-    void blockByOccupancy();
-    void findLeaves();
-    void open(const glm::ivec3& voxel, int face) {
-        const glm::ivec3 place = placeOf(voxel);
-        FaceRows& row = faces_[static_cast<std::size_t>(place.z * rowsPerSlice() + place.y)];
-        row[static_cast<std::size_t>(face)] &= ~(std::uint64_t(1) << place.x);
-    }
-    std::ptrdiff_t rowsPerSlice() const { return last_.y - first_.y + 1; }
-    // Where a voxel of the block is found in faces_.
-    glm::ivec3 placeOf(const glm::ivec3& voxel) const {
-        return block_.first + voxel - glm::ivec3(0, first_.y, first_.z);
-    }
-
-    const OccupancyWindow& window_;
-    const VoxelBlock& block_;
-    std::uint32_t* references_;
-    int reach_;
-    glm::ivec3 first_, last_;           // voxels of the window from which boxes may step on
-    std::unique_ptr<FaceRows[]> faces_; // of their rows
-    std::vector<Leaf> leaves_;          // of the block, x fastest
-};
-
-ExitGrower::ExitGrower(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references,
-                       int reach)
-    : window_(window), block_(block), references_(references), reach_(reach),
-      first_(glm::max(block.first - reach, glm::ivec3(0))),
-      last_(glm::min(block.first + block.size - 1 + reach, glm::ivec3(window.side() - 1))) {
+void ExitGrower::begin(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references,
+                       int reach) {
+    window_ = &window;
+    block_ = &block;
+    references_ = references;
+    reach_ = reach;
+    first_ = glm::max(block.first - reach, glm::ivec3(0));
+    last_ = glm::min(block.first + block.size - 1 + reach, glm::ivec3(window.side() - 1));
     blockByOccupancy();
     findLeaves();
 }
 
+void ExitGrower::open(const glm::ivec3& voxel, int face) {
+    const glm::ivec3 place = placeOf(voxel);
+    FaceRows& row = faces_[static_cast<std::size_t>(place.z * rowsPerSlice() + place.y)];
+    row[static_cast<std::size_t>(face)] &= ~(std::uint64_t(1) << place.x);
+}
+
 void ExitGrower::blockByOccupancy() {
-    faces_ = std::make_unique_for_overwrite<FaceRows[]>(
-        static_cast<std::size_t>((last_.z - first_.z + 1) * rowsPerSlice()));
-    FaceRows* rows = faces_.get();
+    const auto count = static_cast<std::size_t>((last_.z - first_.z + 1) * rowsPerSlice());
+    if (faces_.size() < count) faces_.resize(count);
+    FaceRows* rows = faces_.data();
     for (int z = first_.z; z <= last_.z; ++z) {
         const int below = std::max(z - 1, first_.z); // no box steps out of the rows that there are
         const int above = std::min(z + 1, last_.z);
         for (int y = first_.y; y <= last_.y; ++y)
-            *rows++ = {window_.row(y, z) << 1,
-                       window_.row(y, z) >> 1,
-                       window_.row(std::max(y - 1, first_.y), z),
-                       window_.row(std::min(y + 1, last_.y), z),
-                       window_.row(y, below),
-                       window_.row(y, above)};
+            *rows++ = {window_->row(y, z) << 1,
+                       window_->row(y, z) >> 1,
+                       window_->row(std::max(y - 1, first_.y), z),
+                       window_->row(std::min(y + 1, last_.y), z),
+                       window_->row(y, below),
+                       window_->row(y, above)};
     }
 }
 
 void ExitGrower::findLeaves() {
-    const glm::ivec3& size = block_.size;
+    leaves_.clear();
+    const glm::ivec3& size = block_->size;
     const std::uint64_t columns = ~std::uint64_t(0) >> (64 - size.x);
     for (int z = 0; z < size.z; ++z)
         for (int y = 0; y < size.y; ++y) {
             std::uint64_t occupied =
-                window_.row(y + block_.first.y, z + block_.first.z) >> block_.first.x & columns;
+                window_->row(y + block_->first.y, z + block_->first.z) >> block_->first.x & columns;
             for (; occupied != 0; occupied &= occupied - 1) {
                 const glm::ivec3 voxel(std::countr_zero(occupied), y, z);
-                const std::uint32_t word = *block_.word(voxel);
+                const std::uint32_t word = *block_->word(voxel);
                 if (!isBrick(word)) leaves_.push_back({voxel, leafList(word)});
             }
         }
@@ -168,7 +137,7 @@ void ExitGrower::openNamed() {
 }
 
 void ExitGrower::openByLists() {
-    const glm::ivec3& size = block_.size;
+    const glm::ivec3& size = block_->size;
     std::vector<const Leaf*> leafAt(static_cast<std::size_t>(size.x * size.y * size.z)); // or none
     std::vector<std::uint64_t> signatures;
     const auto indexOf = [&](const glm::ivec3& v) {
@@ -194,30 +163,29 @@ void ExitGrower::openByLists() {
 }
 
 void ExitGrower::growAll(const VoxelBlock& block) {
-    const glm::ivec3 lo = block.first - block_.first;
+    const glm::ivec3 lo = block.first - block_->first;
     const glm::ivec3 hi = lo + block.size;
     for (const Leaf& leaf : leaves_) {
         if (glm::any(glm::lessThan(leaf.voxel, lo)) || glm::any(glm::greaterThanEqual(leaf.voxel, hi)))
             continue;
-        references_[leaf.list] = ExitBox(faces_.get(), rowsPerSlice(), placeOf(leaf.voxel)).grow(reach_);
+        references_[leaf.list] = ExitBox(faces_.data(), rowsPerSlice(), placeOf(leaf.voxel)).grow(reach_);
     }
 }
 
-} // namespace
-
-void growExits(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references, int reach) {
+void ExitGrower::grow(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references,
+                      int reach) {
     if (reach == 0) return;
-    ExitGrower grower(window, block, references, reach);
-    grower.openNamed();
-    grower.growAll(block);
+    begin(window, block, references, reach);
+    openNamed();
+    growAll(block);
 }
 
-void growExits(const OccupancyWindow& window, const VoxelBlock& block, const VoxelBlock& known,
-               std::uint32_t* references, int reach) {
+void ExitGrower::grow(const OccupancyWindow& window, const VoxelBlock& block, const VoxelBlock& known,
+                      std::uint32_t* references, int reach) {
     if (reach == 0) return;
-    ExitGrower grower(window, known, references, reach);
-    grower.openByLists();
-    grower.growAll(block);
+    begin(window, known, references, reach);
+    openByLists();
+    growAll(block);
 }
 
 } // namespace rt
