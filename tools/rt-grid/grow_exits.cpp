@@ -28,15 +28,16 @@ public:
     // How far beyond the voxel the box reaches on each side.
     std::uint32_t grow(int reach) {
         const glm::ivec3 voxel = lo_;
-        std::array<bool, 6> grows;
-        for (std::size_t face = 0; face < 6; ++face) grows[face] = !(across_[face] >> voxel.x & 1);
-        for (int i = 0; i < reach; ++i) {
-            grows[0] = grows[0] && stepX<0>();
-            grows[1] = grows[1] && stepX<1>();
-            grows[2] = grows[2] && step<1, 0>();
-            grows[3] = grows[3] && step<1, 1>();
-            grows[4] = grows[4] && step<2, 0>();
-            grows[5] = grows[5] && step<2, 1>();
+        unsigned moving = 0; // bit i: over face i
+        for (unsigned face = 0; face < 6; ++face)
+            moving |= static_cast<unsigned>(~across_[face] >> voxel.x & 1) << face;
+        for (int i = 0; i < reach && moving != 0; ++i) {
+            if (moving & 1 && !stepX<0>()) moving &= ~1u;
+            if (moving & 2 && !stepX<1>()) moving &= ~2u;
+            if (moving & 4 && !step<1, 0>()) moving &= ~4u;
+            if (moving & 8 && !step<1, 1>()) moving &= ~8u;
+            if (moving & 16 && !step<2, 0>()) moving &= ~16u;
+            if (moving & 32 && !step<2, 1>()) moving &= ~32u;
         }
         return freeBoxWord(voxel - lo_, hi_ - voxel);
     }

@@ -29,6 +29,9 @@ public:
 private:
     static constexpr std::size_t kSetWords = 4;
     using Set = std::array<std::uint64_t, kSetWords>;
+    template <int kAxis>
+    void nameStepsAlong(std::span<const std::uint32_t> words, int shift, std::uint32_t voxel,
+                        std::uint32_t* references) const;
     static bool holdsAll(const Set& whole, const Set& part);
 
     std::vector<Set> sets_; // of each voxel
