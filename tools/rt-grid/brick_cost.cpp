@@ -8,8 +8,8 @@
 namespace rt {
 namespace {
 
-constexpr std::size_t kLargestSample = 12; // triangles of a list that are looked at
-constexpr double kLongList = 400.0;        // triangles times 2^level from which on words are cheap
+constexpr std::size_t kLargestSample = 6; // triangles of a list that are looked at
+constexpr double kLongList = 400.0;       // triangles times 2^level from which on words are cheap
 
 struct Cost {
     double work; // steps and tests of a ray, a test counted like a step

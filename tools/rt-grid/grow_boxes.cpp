@@ -16,7 +16,7 @@ namespace {
 constexpr int kLargestExtent = 31;
 constexpr int kLargestStep = 16;
 constexpr int kUsefulExtent = 8;  // what lies beyond it makes a box no better: coarser voxels are near
-constexpr int kOpenSides = 3;     // of an inherited box in a brick
+constexpr int kOpenSides = 2;     // of an inherited box in a brick
 constexpr int kGridOpenSides = 6; // of one in the grid: long rays pass there; 3: 2 % more steps per ray
 constexpr int kGridTile = 8;      // voxels of the grid are grown in cubes of so many
 constexpr int kGridMargin = 16;   // and see so many beyond; 28: 0.7 % fewer steps per ray on the dragon
