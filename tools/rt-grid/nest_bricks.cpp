@@ -167,20 +167,15 @@ private:
     // A brick's voxel while its list is filled.
     static constexpr std::uint32_t kToBrick = 0x80000000u; // the list goes to lists_, not to references
 
-    // A leaf whose entries are still 0, but for the mark of the last one.
-    std::uint32_t newLeaf(std::size_t count) {
-        words_.take(kListHeaderWords);
-        const std::size_t offset = references_.size();
-        references_.resize(offset + kListHeaderWords + count);
-        references_.back() = kLastInList;
-        ++leaves_;
-        return static_cast<std::uint32_t>(offset);
-    }
+    // A leaf with these triangles; returns where its list is.
     std::uint32_t copyLeaf(std::span<const std::uint32_t> list) {
-        const std::uint32_t offset = newLeaf(list.size());
-        std::copy(list.begin(), list.end(), references_.begin() + offset + kListHeaderWords);
+        words_.take(kListHeaderWords);
+        ++leaves_;
+        const std::size_t offset = references_.size();
+        references_.push_back(0);
+        references_.insert(references_.end(), list.begin(), list.end());
         references_.back() |= kLastInList;
-        return offset;
+        return static_cast<std::uint32_t>(offset);
     }
     std::uint32_t newBrick(const glm::ivec3& voxel, int shift, int level, int depth) {
         const auto offset = static_cast<std::uint32_t>(bricks_.size());
@@ -196,34 +191,46 @@ private:
         binInto(place, nesting_, std::span(lists_).subspan(pending.firstInList, pending.count),
                 bricks_.data() + place.offset, entries_, relations_);
         words_.take(entries_.size());
-        const bool deepest = place.depth >= nesting_.options.maxDepth;
-        crowded_.clear();
-        leafCells_.clear();
-        ends_.resize(place.words());
-        std::size_t end = lists_.size();
-        for (std::uint32_t cell = 0; cell < place.words(); ++cell) {
-            const std::uint32_t count = bricks_[place.offset + cell];
-            if (count == 0) continue;
-            if (count <= nesting_.options.leafSize || deepest) {
-                const std::uint32_t offset = newLeaf(count);
-                ends_[cell] = offset + kListHeaderWords;
-                bricks_[place.offset + cell] = leafWord(offset);
-                leafCells_.push_back(cell);
-                continue;
-            }
-            crowded_.push_back({cell, end, count});
-            ends_[cell] = kToBrick | static_cast<std::uint32_t>(end);
-            end += count;
-        }
-        lists_.resize(end);
+        placeLists(place);
         for (const Entry& entry : entries_) {
-            const std::uint32_t e = ends_[entry.cell]++;
-            (e & kToBrick ? lists_[e & ~kToBrick] : references_[e]) |= entry.triangle;
+            const std::uint32_t end = ends_[entry.cell]++;
+            (end & kToBrick ? lists_[end & ~kToBrick] : references_[end]) = entry.triangle;
         }
+        for (const std::uint32_t cell : leafCells_) references_[ends_[cell] - 1] |= kLastInList;
         for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
         if (nesting_.options.exitReach > 0)
             relations_.nameSteps(std::span(bricks_).subspan(place.offset, place.words()), place.shift,
                                  leafCells_, references_.data());
+    }
+
+    // Makes room for the lists of a brick's voxels, whose words are the numbers of their triangles.
+    void placeLists(const BrickPlace& place) {
+        crowded_.clear();
+        leafCells_.clear();
+        ends_.resize(std::max<std::size_t>(ends_.size(), place.words()));
+        const std::uint32_t most =
+            place.depth >= nesting_.options.maxDepth ? ~0u : nesting_.options.leafSize; // in a leaf
+        std::size_t reference = references_.size();
+        std::size_t end = lists_.size();
+        for (std::uint32_t cell = 0; cell < place.words(); ++cell) {
+            std::uint32_t& word = bricks_[place.offset + cell];
+            const std::uint32_t count = word;
+            if (count == 0) continue;
+            if (count <= most) {
+                word = leafWord(static_cast<std::uint32_t>(reference));
+                ends_[cell] = static_cast<std::uint32_t>(reference) + kListHeaderWords;
+                reference += kListHeaderWords + count;
+                leafCells_.push_back(cell);
+            } else {
+                crowded_.push_back({cell, end, count});
+                ends_[cell] = kToBrick | static_cast<std::uint32_t>(end);
+                end += count;
+            }
+        }
+        words_.take(kListHeaderWords * leafCells_.size());
+        leaves_ += leafCells_.size();
+        references_.resize(reference);
+        lists_.resize(end);
     }
 
     // A voxel that may become a brick.
