@@ -173,27 +173,26 @@ inline std::size_t longestComponent(const Lanes& v) {
 
 /// Voxels along each axis that the bounds of a triangle, grown by the pad, meet.
 struct Box {
-    std::array<Indices, 3> along; ///< inside the grid
-    unsigned longAxes = 0;        ///< bit i: along axis i they are several, were the grid endless
-    bool empty = false;
+    IntLanes first, last;  ///< inside the grid; lane 3 is of no account
+    unsigned longAxes = 0; ///< bit i: along axis i they are several, were the grid endless
+    bool empty = true;
 
     Box() = default;
     Box(const VoxelTriangle& t, const glm::uvec3& dims, double pad) {
-        const IntLanes last{int(dims.x) - 1, int(dims.y) - 1, int(dims.z) - 1, 0};
         constexpr double kFar = 0x1p30; // farther ones are as good as here
         const auto bounded = [](const Lanes& v) {
             return greater(lesser(v, allLanes(kFar)), allLanes(-kFar));
         };
         const IntLanes lo = wholeAbove(bounded(lesser(lesser(t[0], t[1]), t[2]) - (pad + 1.0)));
         const IntLanes hi = -wholeAbove(bounded(-pad - greater(greater(t[0], t[1]), t[2])));
-        const IntLanes first = greater(lo, IntLanes{});
-        const IntLanes end = lesser(hi, last);
-        for (int axis = 0; axis < 3; ++axis) {
-            along[static_cast<std::size_t>(axis)] = {first[axis], end[axis]};
-            longAxes |= static_cast<unsigned>(lo[axis] < hi[axis]) << axis;
-            empty |= first[axis] > end[axis];
-        }
+        first = greater(lo, IntLanes{});
+        last = lesser(hi, IntLanes{int(dims.x) - 1, int(dims.y) - 1, int(dims.z) - 1, 0});
+        const IntLanes bits = ((lo < hi) & IntLanes{1, 2, 4, 0}) | ((first > last) & IntLanes{8, 8, 8, 0});
+        const auto flags = static_cast<unsigned>(bits[0] | bits[1] | bits[2]);
+        longAxes = flags & 7;
+        empty = flags > 7;
     }
+    Indices along(std::size_t axis) const { return {first[axis], last[axis]}; }
 };
 
 /// Which voxels of a box of at most 4x4x4 a triangle meets: bit x + 4 y + 16 z, counted from the box's first
@@ -202,8 +201,8 @@ class SmallBox {
 public:
     static constexpr int kSide = 4;
     static bool holds(const Box& box) {
-        return box.along[0].count() <= kSide && box.along[1].count() <= kSide &&
-               box.along[2].count() <= kSide;
+        return box.along(0).count() <= kSide && box.along(1).count() <= kSide &&
+               box.along(2).count() <= kSide;
     }
 
     SmallBox(const Box& box, double pad) : box_(box), pad_(pad) {}
@@ -220,12 +219,12 @@ private:
     }
     /// The voxels of the box.
     std::uint64_t all() const {
-        return copies<0>(box_.along[0].count()) * copies<1>(box_.along[1].count()) *
-               copies<2>(box_.along[2].count());
+        return copies<0>(box_.along(0).count()) * copies<1>(box_.along(1).count()) *
+               copies<2>(box_.along(2).count());
     }
     /// Four voxels one after the other: their indices and bits.
     Lanes indicesAlong(std::size_t axis) const {
-        return allLanes(box_.along[axis].lo) + Lanes{0.0, 1.0, 2.0, 3.0};
+        return allLanes(box_.along(axis).lo) + Lanes{0.0, 1.0, 2.0, 3.0};
     }
     template <std::size_t kAxis>
     static BitLanes bitsAlong() {
@@ -253,7 +252,7 @@ std::uint64_t SmallBox::seenAlong(const std::array<Component, 3>& xyz) const {
     const Lanes us = indicesAlong(kU);
     BitLanes bits = bitsAlong<kU>();
     BitLanes met{};
-    for (int v = box_.along[kV].lo; v <= box_.along[kV].hi; ++v, bits <<= kStride[kV]) {
+    for (int v = box_.along(kV).lo; v <= box_.along(kV).hi; ++v, bits <<= kStride[kV]) {
         const Lanes others = axes.normalV * static_cast<double>(v);
         BitLanes meets = bits;
         for (int edge = 0; edge < 3; ++edge) {
@@ -269,7 +268,8 @@ std::uint64_t SmallBox::seenAlong(const std::array<Component, 3>& xyz) const {
 inline std::uint64_t SmallBox::nearPlane(const std::array<Component, 3>& xyz, const Lanes& normal) const {
     const Shadows plane = planeShadows(xyz[0], xyz[1], xyz[2], {normal[0], normal[1], normal[2]}, pad_);
     const Lanes alongX = normal[0] * indicesAlong(0);
-    const auto& [boxX, boxY, boxZ] = box_.along;
+    const Indices boxY = box_.along(1);
+    const Indices boxZ = box_.along(2);
     BitLanes met{};
     BitLanes layer = bitsAlong<0>();
     for (int z = boxZ.lo; z <= boxZ.hi; ++z, layer <<= kStride[2]) {
@@ -303,7 +303,7 @@ struct Turned {
 private:
     Turned(const std::array<Lanes, 3>& xyz, const Box& box, const std::array<std::uint32_t, 3>& strides,
            std::size_t i, std::size_t j, std::size_t k)
-        : u(xyz[i]), v(xyz[j]), w(xyz[k]), boxU(box.along[i]), boxV(box.along[j]), boxW(box.along[k]),
+        : u(xyz[i]), v(xyz[j]), w(xyz[k]), boxU(box.along(i)), boxV(box.along(j)), boxW(box.along(k)),
           strideU(strides[i]), strideV(strides[j]), strideW(strides[k]) {}
 };
 
@@ -358,9 +358,9 @@ void forEachVoxelOf(const VoxelTriangle& triangle, const voxelize::Box& box, con
     if (box.empty) return;
     const std::array<std::uint32_t, 3> strides{1u, dims.x, dims.x * dims.y};
     if (std::popcount(box.longAxes) >= 2 && SmallBox::holds(box)) {
-        const std::uint32_t first = static_cast<std::uint32_t>(box.along[2].lo) * strides[2] +
-                                    static_cast<std::uint32_t>(box.along[1].lo) * strides[1] +
-                                    static_cast<std::uint32_t>(box.along[0].lo);
+        const std::uint32_t first = static_cast<std::uint32_t>(box.along(2).lo) * strides[2] +
+                                    static_cast<std::uint32_t>(box.along(1).lo) * strides[1] +
+                                    static_cast<std::uint32_t>(box.along(0).lo);
         for (std::uint64_t met = SmallBox(box, pad).voxelsOf(triangle); met != 0; met &= met - 1) {
             const auto bit = static_cast<std::uint32_t>(std::countr_zero(met));
             visit(first + (bit & 3) + (bit >> 2 & 3) * strides[1] + (bit >> 4) * strides[2]);
@@ -382,10 +382,10 @@ void forEachVoxelOf(const VoxelTriangle& triangle, const voxelize::Box& box, con
                                  static_cast<std::size_t>(std::countr_one(box.longAxes))),
                           pad, visit);
     default: // inside one row: every voxel between its ends
-        for (int z = box.along[2].lo; z <= box.along[2].hi; ++z)
-            for (int y = box.along[1].lo; y <= box.along[1].hi; ++y)
+        for (int z = box.along(2).lo; z <= box.along(2).hi; ++z)
+            for (int y = box.along(1).lo; y <= box.along(1).hi; ++y)
                 visitRow(static_cast<std::uint32_t>(z) * strides[2] + static_cast<std::uint32_t>(y) * dims.x,
-                         box.along[0], 1u, visit);
+                         box.along(0), 1u, visit);
     }
 }
 
