@@ -80,8 +80,8 @@ private:
 
 } // namespace
 
-void ExitGrower::begin(const OccupancyWindow& window, const VoxelBlock& block, std::uint32_t* references,
-                       int reach) {
+RT_WIDE_LANES void ExitGrower::begin(const OccupancyWindow& window, const VoxelBlock& block,
+                                     std::uint32_t* references, int reach) {
     window_ = &window;
     block_ = &block;
     references_ = references;
@@ -163,7 +163,7 @@ void ExitGrower::openByLists() {
         }
 }
 
-void ExitGrower::growAll(const VoxelBlock& block) {
+RT_WIDE_LANES void ExitGrower::growAll(const VoxelBlock& block) {
     const glm::ivec3 lo = block.first - block_->first;
     const glm::ivec3 hi = lo + block.size;
     for (const Leaf& leaf : leaves_) {

@@ -1,5 +1,6 @@
 #include "tools/rt-grid/leaf_relations.h"
 
+#include "tools/rt-grid/lanes.h"
 #include "tools/rt-grid/triangle_lists.h"
 
 namespace rt {
@@ -26,8 +27,9 @@ void LeafRelations::nameStepsAlong(std::span<const std::uint32_t> words, int shi
     nextList |= std::uint32_t(listsAll(next, voxel, nextList, list)) << (2 * kAxis);
 }
 
-void LeafRelations::nameSteps(std::span<const std::uint32_t> words, int shift,
-                              std::span<const std::uint32_t> leaves, std::uint32_t* references) const {
+RT_WIDE_LANES void LeafRelations::nameSteps(std::span<const std::uint32_t> words, int shift,
+                                            std::span<const std::uint32_t> leaves,
+                                            std::uint32_t* references) const {
     for (const std::uint32_t voxel : leaves) {
         nameStepsAlong<0>(words, shift, voxel, references);
         nameStepsAlong<1>(words, shift, voxel, references);
