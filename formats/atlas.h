@@ -79,8 +79,12 @@ void requireBricksInOrder(const Atlas& atlas, const std::string& name);
 /// "uniform", "cloud", ... as the command line names the structure kinds.
 std::string structureName(std::uint32_t structure);
 
-/// Throws Error{InvalidContent}, message prefixed by `name`, unless every count, index and number is in
-/// range.
+/// Throws Error{InvalidContent}, message prefixed by `name`, unless the grid is possible and the arrays are
+/// as long as the grid, the counts and each other demand. Takes no time; indices in the arrays are not looked
+/// at.
+void validateSizes(const Atlas& atlas, const std::string& name);
+
+/// As validateSizes(), and throws unless every count, index and number is in range.
 void validate(const Atlas& atlas, const std::string& name);
 
 } // namespace rt

@@ -118,12 +118,21 @@ void validateVoxels(const Atlas& atlas, const Validator& check) {
     check.requireEach(atlas.bricks, "brick word", holds);
 }
 
-void validateShading(const Atlas& atlas, const Validator& check) {
-    const std::size_t vertexCount = atlas.normals.size();
+void validateShadingSizes(const Atlas& atlas, const Validator& check) {
     check.require(atlas.triangleVertices.size() == atlas.triangles.size(),
                   "triangle counts of TRIS and TVTX differ");
-    check.require(atlas.texcoords.empty() || atlas.texcoords.size() == vertexCount,
+    check.require(atlas.texcoords.empty() || atlas.texcoords.size() == atlas.normals.size(),
                   "wrong number of texture coordinates");
+    const AtlasInfo& info = atlas.info;
+    const std::uint64_t pageTexels = std::uint64_t(info.pageWidth) * info.pageHeight;
+    check.require(pageTexels == 0 ? atlas.pages.empty() && info.pageCount == 0
+                                  : atlas.pages.size() % pageTexels == 0 &&
+                                        atlas.pages.size() / pageTexels == info.pageCount,
+                  "number of texels is not that of the texture pages");
+}
+
+void validateShading(const Atlas& atlas, const Validator& check) {
+    const std::size_t vertexCount = atlas.normals.size();
     check.requireEach(atlas.triangles, "triangle", [&](const TriangleRecord& t) {
         const auto index = static_cast<std::size_t>(&t - atlas.triangles.data());
         return finite3(t.v0) && finite3(t.v1) && finite3(t.v2) &&
@@ -140,11 +149,6 @@ void validateShading(const Atlas& atlas, const Validator& check) {
     check.requireEach(atlas.lights, "light",
                       [](const Light& l) { return finite3(l.positionWorld) && finite3(l.intensity); });
     const AtlasInfo& info = atlas.info;
-    const std::uint64_t pageTexels = std::uint64_t(info.pageWidth) * info.pageHeight;
-    check.require(pageTexels == 0 ? atlas.pages.empty()
-                                  : atlas.pages.size() % pageTexels == 0 &&
-                                        atlas.pages.size() / pageTexels == info.pageCount,
-                  "number of texels is not that of the texture pages");
     check.requireEach(atlas.images, "image", [&](const ImagePlace& image) {
         return image.rect.z >= 1 && image.rect.w >= 1 &&
                std::uint64_t(image.rect.x) + image.rect.z <= info.pageWidth &&
@@ -160,7 +164,7 @@ std::string structureName(std::uint32_t structure) {
     return structure < std::size(kNames) ? kNames[structure] : "unknown";
 }
 
-void validate(const Atlas& atlas, const std::string& name) {
+void validateSizes(const Atlas& atlas, const std::string& name) {
     const Validator check(name);
     check.require(atlas.triangles.size() <= kMaxIndexedCount && atlas.normals.size() <= kMaxIndexedCount &&
                       atlas.materials.size() <= kMaxIndexedCount && atlas.lights.size() <= kMaxIndexedCount,
@@ -170,6 +174,12 @@ void validate(const Atlas& atlas, const std::string& name) {
                   "counts in GRID differ from the sections' sizes");
     check.require(!atlas.triangles.empty() && !atlas.materials.empty(), "has no triangles or no materials");
     validateGrid(atlas, check);
+    validateShadingSizes(atlas, check);
+}
+
+void validate(const Atlas& atlas, const std::string& name) {
+    validateSizes(atlas, name);
+    const Validator check(name);
     checkTogether({[&] { validateLists(atlas, check); },
                    [&] {
                        if (atlas.grid.dims.w == kStructureNested) requireBricksInOrder(atlas, name);
@@ -197,9 +207,13 @@ void writeAtlas(const std::string& path, const Atlas& atlas) {
     writer.write(path);
 }
 
-AtlasFile readAtlas(const std::string& path) {
-    const SectionFile file(path, kAtlasKind);
-    Atlas atlas;
+MappedAtlas::MappedAtlas(const std::string& path)
+    : path_(path),
+      sections_(std::make_unique<const SectionFile>(path, kAtlasKind)), file_{{},
+                                                                              sections_->contentHash(),
+                                                                              sections_->fileBytes()} {
+    const SectionFile& file = *sections_;
+    Atlas& atlas = file_.atlas;
     atlas.info = file.get<AtlasInfo>(kInfo, 1)[0];
     atlas.grid = file.get<GridParams>(kGrid, 1)[0];
     atlas.voxels = file.get<std::uint32_t>(kVoxels);
@@ -213,8 +227,18 @@ AtlasFile readAtlas(const std::string& path) {
     atlas.lights = file.get<Light>(kLights);
     atlas.images = file.get<ImagePlace>(kImages);
     atlas.pages = file.get<std::uint32_t>(kPages);
-    file.verify([&] { validate(atlas, path); });
-    return {std::move(atlas), file.contentHash(), file.fileBytes()};
+}
+
+MappedAtlas::~MappedAtlas() = default;
+
+void MappedAtlas::verify() const {
+    sections_->verify([this] { validate(file_.atlas, path_); });
+}
+
+AtlasFile readAtlas(const std::string& path) {
+    const MappedAtlas mapped(path);
+    mapped.verify();
+    return mapped.unverified();
 }
 
 } // namespace rt

@@ -1,9 +1,12 @@
 #pragma once
 #include "formats/atlas.h"
 
+#include <memory>
 #include <string>
 
 namespace rt {
+
+class SectionFile;
 
 /// Writes a .rtatlas, whole or not at all. Throws Error{FileAccess}.
 void writeAtlas(const std::string& path, const Atlas& atlas);
@@ -14,8 +17,26 @@ struct AtlasFile {
     std::uint64_t fileBytes;
 };
 
-/// Maps and validates a .rtatlas. Safe for untrusted files. Throws Error{FileAccess} or
-/// Error{InvalidContent}.
+/// A .rtatlas that is mapped and not yet checked beyond its frame and table.
+class MappedAtlas {
+public:
+    /// Throws Error{FileAccess} or Error{InvalidContent}.
+    explicit MappedAtlas(const std::string& path);
+    ~MappedAtlas();
+
+    /// Every array can be read; nothing in it may be believed. validateSizes() tells whether their sizes
+    /// agree.
+    const AtlasFile& unverified() const { return file_; }
+    /// Checks hashes and contents on all cores. Safe for untrusted files. Throws Error{InvalidContent}.
+    void verify() const;
+
+private:
+    std::string path_;
+    std::unique_ptr<const SectionFile> sections_;
+    AtlasFile file_;
+};
+
+/// Maps and verifies a .rtatlas. Throws as MappedAtlas does.
 AtlasFile readAtlas(const std::string& path);
 
 } // namespace rt

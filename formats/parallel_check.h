@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <functional>
+#include <future>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace rt {
@@ -12,6 +14,17 @@ namespace rt {
 /// Runs independent checks on all cores, each to its end. Where several throw, what the first of them in this
 /// order has thrown comes out, whatever the number of threads.
 void checkTogether(const std::vector<std::function<void()>>& checks);
+
+/// Runs `work` on this thread while `check` runs on one of its own, each to its end, and returns what `work`
+/// does. Where both throw, what `check` has thrown comes out.
+template <class Work>
+auto whileChecking(const std::function<void()>& check, Work&& work) {
+    std::packaged_task<decltype(work())()> task(std::forward<Work>(work));
+    std::future<void> checked = std::async(std::launch::async, check);
+    task();
+    checked.get();
+    return task.get_future().get();
+}
 
 /// The lowest index below `count` that is at fault, or `count`. `firstIn(begin, end)` returns the lowest one
 /// of [begin, end), or `end`; it is called from several threads, for up to `blockSize` indices at a time, and

@@ -14,11 +14,12 @@
 
 layout(local_size_x = RT_GROUP_X, local_size_y = 1) in;
 
-// False for directions without a way to go: zero or not finite, and for origins that are not finite.
-bool isTraceable(vec3 origin, vec3 direction) {
-    vec3 size = abs(direction);
-    bool finite = all(lessThanEqual(size, vec3(3.4e38f))) && all(lessThanEqual(abs(origin), vec3(3.4e38f)));
-    return finite && max(size.x, max(size.y, size.z)) > 0.0f;
+// False if there is no way to go: a direction that is zero, anything not finite, tMax before tMin.
+bool isTraceable(QueryRay query) {
+    vec3 size = abs(query.directionTmax.xyz);
+    bool finite = all(lessThanEqual(size, vec3(3.4e38f))) && all(lessThanEqual(abs(query.originTmin.xyz), vec3(3.4e38f)));
+    bool hasLength = query.originTmin.w <= query.directionTmax.w; // false for NaN
+    return hasLength && finite && max(size.x, max(size.y, size.z)) > 0.0f;
 }
 
 // Largest power of two that is not above the largest component, as an exponent.
@@ -27,29 +28,32 @@ int scaleExponent(vec3 direction) {
     return int(floatBitsToUint(max(size.x, max(size.y, size.z))) >> 23) - 127;
 }
 
-// The ray in atlas space, and what its t are to be multiplied by: world t = atlas t * tScale. World to atlas space, and the
-// direction to about unit size, are powers of two, so nothing is rounded but the origin's offset. False if there is no
-// way to go.
-bool loadRay(uint index, out Ray ray, out real tScale) {
-    vec4 originTmin = rays[index].originTmin;
-    vec4 directionTmax = rays[index].directionTmax;
-    int exponent = scaleExponent(directionTmax.xyz);
+// World to atlas space, and the direction to about unit size; both by powers of two, so nothing is rounded but the
+// origin's offset. World t = atlas t * tScale.
+Ray toAtlas(QueryRay query, out real tScale) {
+    int exponent = scaleExponent(query.directionTmax.xyz);
     real directionScale = powerOfTwo(clamp(-exponent, -126, 127));
     tScale = directionScale / grid.worldOffset.w;
-    real3 origin = (real3(originTmin.xyz) - grid.worldOffset.xyz) * grid.worldOffset.w;
-    ray = Ray(origin, directionTmax.xyz * directionScale, max(originTmin.w, 0.0f) / tScale, min(directionTmax.w / tScale, real(3.4e38f)));
-    bool hasLength = originTmin.w <= directionTmax.w; // false for NaN
-    return hasLength && isTraceable(originTmin.xyz, directionTmax.xyz);
+    real3 origin = (real3(query.originTmin.xyz) - grid.worldOffset.xyz) * grid.worldOffset.w;
+    return Ray(origin, query.directionTmax.xyz * directionScale, max(query.originTmin.w, 0.0f) / tScale, min(query.directionTmax.w / tScale, real(3.4e38f)));
 }
 
-// `hit` with t in world space.
-void store(uint index, Hit hit, WorkCounters work) {
-    if (hit.triangle == kNoTriangle) hit = Hit(-1.0f, 0.0f, 0.0f, kNoTriangle);
+// t: of the hit, in world space.
 #if RT_DOUBLE
-    hits[index] = QueryHitDouble(hit.t, hit.u, hit.v, hit.triangle, 0u);
+#define HitRecord QueryHitDouble
+const HitRecord kMiss = QueryHitDouble(-1.0LF, 0.0LF, 0.0LF, kNoTriangle, 0u);
+HitRecord record(real t, Hit hit) {
+    return QueryHitDouble(t, hit.u, hit.v, hit.triangle, 0u);
+}
 #else
-    hits[index].tuvId = uvec4(floatBitsToUint(vec3(hit.t, hit.u, hit.v)), hit.triangle);
+#define HitRecord QueryHit
+const HitRecord kMiss = QueryHit(uvec4(0xBF800000u, 0u, 0u, kNoTriangle)); // t = -1
+HitRecord record(real t, Hit hit) {
+    return QueryHit(uvec4(floatBitsToUint(vec3(t, hit.u, hit.v)), hit.triangle));
+}
 #endif
+
+void count(uint index, WorkCounters work) {
 #if RT_COUNT_WORK
     counters[index] = uvec4(work.rays, work.steps, work.tests, 0u);
 #endif
@@ -85,15 +89,16 @@ void main() {
         bool refill = lanesWhere(!w.walking) * 32u >= lanesWhere(true) * kEnoughIdle;
         if (refill && !w.walking) {
             if (index < query.count.x) {
-                w.best.t = (w.best.t + tEnter) * tScale;
-                store(index, w.best, work);
+                hits[index] = w.best.triangle == kNoTriangle ? kMiss : record((w.best.t + tEnter) * tScale, w.best);
+                count(index, work);
             }
             index = taken++ < kMostRaysPerLane ? takeRay() : query.count.x;
             more = index < query.count.x;
             if (more) {
-                Ray ray;
-                bool traceable = loadRay(index, ray, tScale);
+                QueryRay next = rays[index];
+                bool traceable = isTraceable(next);
                 work = WorkCounters(traceable ? 1u : 0u, 0u, 0u);
+                Ray ray = toAtlas(next, tScale);
                 bool enters = enterGrid(ray, tEnter);
                 w = beginWalk(ray);
                 w.walking = traceable && enters;
@@ -106,12 +111,15 @@ void main() {
 void main() {
     uint index = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(RT_GROUP_X) + gl_LocalInvocationID.x;
     if (index >= query.count.x) return;
+    HitRecord result = kMiss;
     WorkCounters work = WorkCounters(0u, 0u, 0u);
-    Hit hit = Hit(0.0f, 0.0f, 0.0f, kNoTriangle);
-    Ray ray;
-    real tScale;
-    if (loadRay(index, ray, tScale)) hit = trace(ray, kAnyHit, work);
-    hit.t *= tScale;
-    store(index, hit, work);
+    QueryRay next = rays[index];
+    if (isTraceable(next)) {
+        real tScale;
+        Hit hit = trace(toAtlas(next, tScale), kAnyHit, work);
+        if (hit.triangle != kNoTriangle) result = record(hit.t * tScale, hit);
+    }
+    hits[index] = result;
+    count(index, work);
 }
 #endif

@@ -17,8 +17,8 @@ constexpr double kTie = 1e-6; // of t
 constexpr double kNearTie = 1e-6;
 constexpr double kSameDistance = 1e-5;
 constexpr double kGrazing = 1e-3;
-constexpr double kAside = 1e-6;
-constexpr int kNeighbours = 16;
+constexpr double kAside[] = {1e-6, 1e-7}; // the second one for needles
+constexpr int kNeighbours = 16;           // at each distance
 
 double distanceOf(const QueryHit& hit) {
     return std::bit_cast<float>(hit.tuvId.x);
@@ -59,18 +59,21 @@ bool isFault(HitClass c) {
     return c >= HitClass::Lost;
 }
 
-// Rays on a circle round the ray, of the size that belongs to the disputed hit.
+// Rays on two circles round the ray, of the sizes that belong to the disputed hit.
 std::vector<QueryRay> neighboursOf(const QueryRay& ray, double t) {
     const glm::dvec3 along = glm::normalize(glm::dvec3(ray.directionTmax));
     const glm::dvec3 other = std::abs(along.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-    const glm::dvec3 right = glm::normalize(glm::cross(along, other)) * (kAside * sizeOf(ray, t));
+    const glm::dvec3 right = glm::normalize(glm::cross(along, other));
     const glm::dvec3 up = glm::cross(right, along);
-    std::vector<QueryRay> neighbours(kNeighbours, ray);
-    for (int i = 0; i < kNeighbours; ++i) {
-        const double angle = 2.0 * std::numbers::pi * i / kNeighbours;
-        const glm::dvec3 origin = glm::dvec3(ray.originTmin) + right * std::cos(angle) + up * std::sin(angle);
-        neighbours[static_cast<std::size_t>(i)].originTmin = glm::vec4(origin, ray.originTmin.w);
-    }
+    std::vector<QueryRay> neighbours;
+    for (const double aside : kAside)
+        for (int i = 0; i < kNeighbours; ++i) {
+            const double angle = 2.0 * std::numbers::pi * i / kNeighbours;
+            const glm::dvec3 offset =
+                (right * std::cos(angle) + up * std::sin(angle)) * (aside * sizeOf(ray, t));
+            neighbours.push_back(ray);
+            neighbours.back().originTmin = glm::vec4(glm::dvec3(ray.originTmin) + offset, ray.originTmin.w);
+        }
     return neighbours;
 }
 

@@ -70,9 +70,11 @@ TEST_F(TraceCommand, RendersEveryOutputAndTheFigures) {
         EXPECT_TRUE(image.find(name)) << name;
     EXPECT_EQ(test::readText(out.file("a.png")).substr(1, 3), "PNG");
     const auto json = nlohmann::json::parse(test::readText(out.file("a.json")));
-    for (const char* key : {"gpuMs", "loadMs", "uploadMs", "compileMs", "readbackMs", "writeMs",
-                            "mraysPerSecond", "stepsPerRay", "testsPerRay"})
+    for (const char* key : {"gpuMs", "loadMs", "contextMs", "planMs", "uploadMs", "compileMs", "waitMs",
+                            "readbackMs", "writeMs", "mraysPerSecond", "stepsPerRay", "testsPerRay"})
         EXPECT_GE(json.at(key).get<double>(), 0.0) << key;
+    EXPECT_GE(json.at("firstDispatchMs").get<double>(),
+              json.at("contextMs").get<double>() + json.at("uploadMs").get<double>());
     EXPECT_GE(json.at("raysTotal").get<std::uint64_t>(), 64u * 48u);
     EXPECT_TRUE(json.at("device").is_string());
     EXPECT_EQ(json.at("atlas").at("triangles"), 1280);
@@ -137,6 +139,7 @@ TEST_F(TraceCommand, TracesRaysAndReportsTimes) {
     EXPECT_EQ(json.at("structure"), "cloud");
     EXPECT_EQ(json.at("anyHit"), false);
     EXPECT_EQ(json.at("raysTotal"), 2);
+    EXPECT_GT(json.at("firstDispatchMs").get<double>(), json.at("contextMs").get<double>());
 }
 
 TEST_F(TraceCommand, NoRaysGiveAnEmptyFile) {

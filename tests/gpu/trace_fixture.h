@@ -15,7 +15,10 @@ namespace rt::test {
 /// One GL context for all tests of a suite: the device that rt-trace itself would take.
 class OnGpu : public testing::Test {
 protected:
-    static void SetUpTestSuite() { context = GlContext::open("auto", 0); }
+    static void SetUpTestSuite() {
+        prepareGlEnvironment(0);
+        context = GlContext::open("auto");
+    }
     static void TearDownTestSuite() { context.reset(); }
     static inline std::unique_ptr<GlContext> context;
 
@@ -34,6 +37,7 @@ struct QuerySettings {
     bool anyHit = false;
     std::optional<ResourceLimits> limits; ///< the device's if absent
     std::uint64_t maxBatch = ~std::uint64_t(0);
+    std::size_t pieceBytes = UploadRing::kPieceBytes;
 };
 
 inline std::vector<QueryHit> traceVariant(const GlContext& context, const Atlas& atlas,
@@ -44,7 +48,7 @@ inline std::vector<QueryHit> traceVariant(const GlContext& context, const Atlas&
     features.scatteredRays = scattered;
     features.subgroups = scattered && context.limits().subgroups;
     const ResourcePlan plan = planResources(atlas, features, ShaderKind::Query, limits, "atlas");
-    const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, "atlas");
+    const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, "atlas", settings.pieceBytes);
     GpuRays gpuRays(rays.size(), features, context.limits(), settings.maxBatch);
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();

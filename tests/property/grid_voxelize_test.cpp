@@ -2,6 +2,7 @@
 // 1974) in long double.
 #include "tools/rt-grid/voxelize_triangle.h"
 
+#include <glm/common.hpp>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,8 +37,10 @@ Polygon clipped(const Polygon& polygon, int axis, long double bound, bool keepAb
     return kept;
 }
 
+using Corners = std::array<glm::dvec3, 3>;
+
 // Whether the triangle meets the voxel's cube grown by `pad`.
-bool meets(const VoxelTriangle& triangle, const glm::uvec3& voxel, double pad) {
+bool meets(const Corners& triangle, const glm::uvec3& voxel, double pad) {
     for (int axis = 0; axis < 3; ++axis) {
         const auto [lo, hi] = std::minmax({triangle[0][axis], triangle[1][axis], triangle[2][axis]});
         if (lo > voxel[axis] + 1.0 + pad || hi < voxel[axis] - pad) return false;
@@ -57,11 +60,12 @@ struct Disagreements {
     std::size_t listed = 0;
 };
 
-void compare(const VoxelTriangle& triangle, const glm::uvec3& dims, Disagreements& found) {
+void compare(const Corners& triangle, const glm::uvec3& dims, Disagreements& found) {
     std::vector<int> visits(std::size_t(dims.x) * dims.y * dims.z, 0);
-    forEachVoxelOf(triangle, dims, kPad, [&](const glm::uvec3& v) {
-        ASSERT_TRUE(v.x < dims.x && v.y < dims.y && v.z < dims.z);
-        ++visits[(v.z * dims.y + v.y) * dims.x + v.x];
+    const VoxelTriangle corners = voxelTriangle(triangle[0], triangle[1], triangle[2]);
+    forEachVoxelOf(corners, dims, kPad, [&](std::uint32_t voxel) {
+        ASSERT_LT(voxel, visits.size());
+        ++visits[voxel];
     });
     std::size_t i = 0;
     for (unsigned z = 0; z < dims.z; ++z)
@@ -88,7 +92,7 @@ protected:
             if (random_() % 2) p[axis] = std::round(p[axis]);
         return p;
     }
-    void expectAgreement(int count, const std::function<VoxelTriangle()>& next) {
+    void expectAgreement(int count, const std::function<Corners()>& next) {
         Disagreements found;
         for (int i = 0; i < count; ++i) compare(next(), glm::uvec3(9, 7, 8), found);
         EXPECT_EQ(found.missed, 0u);
@@ -102,19 +106,19 @@ protected:
 TEST_F(GridVoxelize, smallTriangles) {
     expectAgreement(6000, [&] {
         const glm::dvec3 at = point(0.0, 7.0);
-        return VoxelTriangle{at + point(-0.7, 0.7), at + point(-0.7, 0.7), at + point(-0.7, 0.7)};
+        return Corners{at + point(-0.7, 0.7), at + point(-0.7, 0.7), at + point(-0.7, 0.7)};
     });
 }
 
 TEST_F(GridVoxelize, largeTriangles) {
-    expectAgreement(3000, [&] { return VoxelTriangle{point(-3, 12), point(-3, 12), point(-3, 12)}; });
+    expectAgreement(3000, [&] { return Corners{point(-3, 12), point(-3, 12), point(-3, 12)}; });
 }
 
 TEST_F(GridVoxelize, giantTrianglesThatLeaveTheGrid) {
     expectAgreement(3000, [&] {
         const glm::dvec3 inside = point(1.0, 7.0);
         const glm::dvec3 a = point(-2000, 2000);
-        return VoxelTriangle{inside + a, inside + point(-2000, 2000), inside - a};
+        return Corners{inside + a, inside + point(-2000, 2000), inside - a};
     });
 }
 
@@ -123,13 +127,13 @@ TEST_F(GridVoxelize, slivers) {
         const glm::dvec3 a = point(-2, 10);
         const glm::dvec3 b = point(-2, 10);
         const double width = std::pow(10.0, uniform(-16, -1));
-        return VoxelTriangle{a, b, a + (b - a) * uniform(-0.2, 1.2) + point(-width, width)};
+        return Corners{a, b, a + (b - a) * uniform(-0.2, 1.2) + point(-width, width)};
     });
 }
 
 TEST_F(GridVoxelize, trianglesInVoxelFacesAndAlongVoxelEdges) {
     expectAgreement(6000, [&] {
-        VoxelTriangle t{latticePoint(), latticePoint(), latticePoint()};
+        Corners t{latticePoint(), latticePoint(), latticePoint()};
         const auto axis = static_cast<int>(random_() % 4); // 3: in no plane
         if (axis < 3) t[0][axis] = t[1][axis] = t[2][axis] = std::round(uniform(0.0, 7.0));
         return t;
@@ -138,7 +142,7 @@ TEST_F(GridVoxelize, trianglesInVoxelFacesAndAlongVoxelEdges) {
 
 TEST_F(GridVoxelize, trianglesTouchingTheGrownBoxOnly) {
     expectAgreement(4000, [&] { // planes just above and just below the pad over a face
-        VoxelTriangle t{point(-1, 10), point(-1, 10), point(-1, 10)};
+        Corners t{point(-1, 10), point(-1, 10), point(-1, 10)};
         const auto axis = static_cast<int>(random_() % 3);
         const double distance = kPad * (random_() % 2 ? 0.999 : 1.001) * (random_() % 2 ? 1.0 : -1.0);
         t[0][axis] = t[1][axis] = t[2][axis] = std::round(uniform(1.0, 6.0)) + distance;
@@ -152,14 +156,14 @@ TEST_F(GridVoxelize, segmentsAndPoints) {
         const glm::dvec3 b = random_() % 4 ? point(-2, 10) : latticePoint();
         switch (random_() % 4) {
         case 0:
-            return VoxelTriangle{a, b, a};
+            return Corners{a, b, a};
         case 1:
-            return VoxelTriangle{a, b, 0.5 * (a + b)};
+            return Corners{a, b, 0.5 * (a + b)};
         case 2:
-            return VoxelTriangle{a, b, b};
+            return Corners{a, b, b};
         default: {
             const glm::dvec3 p = glm::clamp(a, glm::dvec3(0.0), glm::dvec3(6.9));
-            return VoxelTriangle{p, p, p};
+            return Corners{p, p, p};
         }
         }
     });

@@ -3,6 +3,7 @@
 #include "common/command_line.h"
 #include "common/error.h"
 #include "common/run_tool.h"
+#include "common/stage_timer.h"
 #include "tests/support/read_text.h"
 #include "tests/support/temporary_folder.h"
 
@@ -165,6 +166,22 @@ TEST(Depfile, EscapesWhatMakeWouldRead) {
     const test::TemporaryFolder folder;
     writeDepfile(folder.file("d"), "out file", {"a b.obj", "c$d.mtl"});
     EXPECT_EQ(test::readText(folder.file("d")), "out\\ file: \\\n  a\\ b.obj \\\n  c$$d.mtl\n");
+}
+
+TEST(Stages, ThatRunAgainAddUpWhereTheyFirstRan) {
+    StageTimer stages;
+    stages.begin("a");
+    stages.begin("b");
+    stages.begin("a");
+    stages.end();
+    stages.end();
+    stages.add("b", 1000.0);
+    stages.add("c", 1.0);
+    ASSERT_EQ(stages.stagesMs().size(), 3u);
+    EXPECT_EQ(stages.stagesMs()[0].first, "a");
+    EXPECT_EQ(stages.stagesMs()[1].first, "b");
+    EXPECT_GE(stages.stagesMs()[1].second, 1000.0);
+    EXPECT_GT(stages.totalMs(), 1001.0);
 }
 
 } // namespace

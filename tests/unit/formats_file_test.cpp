@@ -205,6 +205,29 @@ TEST(AtlasFile, EveryDamageIsRefused) {
     expectEveryDamageIsRefused(path, [&] { readAtlas(path); });
 }
 
+TEST(AtlasFile, SizesAreValidatedWithoutTheContents) {
+    const auto refused = [](const std::function<void(Atlas&)>& spoil) {
+        Atlas atlas = smallAtlas();
+        spoil(atlas);
+        return failureOf([&] { validateSizes(atlas, "a"); }) == ErrorKind::InvalidContent;
+    };
+    using Words = std::vector<std::uint32_t>;
+    EXPECT_FALSE(refused([](Atlas& a) {
+        a.voxels = Words{~0u, ~0u};
+        a.references = Words{~0u};
+        a.triangleVertices = std::vector<glm::uvec4>(2, glm::uvec4(~0u));
+    }));
+    EXPECT_TRUE(refused([](Atlas& a) { a.grid.dims.x = 3; })) << "voxels";
+    EXPECT_TRUE(refused([](Atlas& a) { a.grid.counts.x = 1; })) << "counts";
+    EXPECT_TRUE(refused([](Atlas& a) { a.triangleVertices = std::vector<glm::uvec4>(1); })) << "TVTX";
+    EXPECT_TRUE(refused([](Atlas& a) { a.texcoords = std::vector<glm::vec2>(3); })) << "TEXC";
+    EXPECT_TRUE(refused([](Atlas& a) { a.info.pageCount = 2; })) << "pages";
+    EXPECT_TRUE(refused([](Atlas& a) {
+        a.pages = Words{};
+        a.info.pageWidth = 0;
+    })) << "pages of no width";
+}
+
 TEST(AtlasFile, InvalidBricksWithRightChecksumsAreRefused) {
     const test::TemporaryFolder folder;
     const std::string path = folder.file("a.rtatlas");

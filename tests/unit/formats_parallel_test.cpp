@@ -96,6 +96,36 @@ TEST(CheckTogether, ReportsTheFirstInOrderAndRunsAll) {
     }
 }
 
+TEST(WhileChecking, WorksOnThisThreadAndReturnsWhatTheWorkDoes) {
+    const std::thread::id here = std::this_thread::get_id();
+    std::thread::id checker, worker;
+    const auto result = whileChecking([&] { checker = std::this_thread::get_id(); },
+                                      [&] {
+                                          worker = std::this_thread::get_id();
+                                          return std::make_unique<int>(7);
+                                      });
+    EXPECT_EQ(*result, 7);
+    EXPECT_EQ(worker, here);
+    EXPECT_NE(checker, here);
+}
+
+TEST(WhileChecking, WhatTheCheckThrowsComesFirstHoweverLate) {
+    std::atomic<int> ran = 0;
+    const auto passes = [&] { ++ran; };
+    const auto fails = [&](const char* what, int waitMs) {
+        return [&ran, what, waitMs] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(waitMs));
+            ++ran;
+            throw Error(ErrorKind::InvalidContent, what);
+        };
+    };
+    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 20), fails("work", 0)); }), "check");
+    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 0), fails("work", 20)); }), "check");
+    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 0), passes); }), "check");
+    EXPECT_EQ(messageOf([&] { whileChecking(passes, fails("work", 0)); }), "work");
+    EXPECT_EQ(ran, 8);
+}
+
 TEST(LargeAtlas, TheLowestInvalidIndexIsReported) {
     const test::TemporaryFolder folder;
     const std::string path = folder.file("a.rtatlas");

@@ -10,7 +10,7 @@
 namespace rt {
 namespace {
 
-std::vector<TriangleRecord> recordsOf(const Mesh& mesh) {
+FreshArray<TriangleRecord> recordsOf(const Mesh& mesh) {
     return rebaseTriangles(mesh, Rebase{});
 }
 
@@ -25,9 +25,10 @@ TEST(GridBrickCost, aSpreadForecastsHowManyVoxelsTrianglesMeet) {
                 EXPECT_NEAR(spread.references(1.0), 1.0, 1e-5);
                 forecast += 1.0 / spread.corners;
                 const double scale = side;
-                forEachVoxelOf({glm::dvec3(record.v0) * scale, glm::dvec3(record.v1) * scale,
-                                glm::dvec3(record.v2) * scale},
-                               glm::uvec3(1u << 20), 0.0, [&](const glm::uvec3&) { ++met; });
+                const VoxelTriangle corners =
+                    voxelTriangle(glm::dvec3(record.v0) * scale, glm::dvec3(record.v1) * scale,
+                                  glm::dvec3(record.v2) * scale);
+                forEachVoxelOf(corners, glm::uvec3(1u << 20), 0.0, [&](std::uint32_t) { ++met; });
             }
             EXPECT_NEAR(met / forecast, 1.0, 0.05) << size << ", " << side;
         }

@@ -33,7 +33,7 @@ Mesh withAllDigits(const Mesh& mesh) {
 // How many coordinates of the mesh are not what comes back from atlas space.
 int roundedCoordinates(const Mesh& mesh) {
     const Rebase rebase = chooseRebase(boundsOf(mesh));
-    const std::vector<TriangleRecord> records = rebaseTriangles(mesh, rebase);
+    const FreshArray<TriangleRecord> records = rebaseTriangles(mesh, rebase);
     int rounded = 0;
     for (std::size_t i = 0; i < records.size(); ++i) {
         const glm::vec4 corners[3] = {records[i].v0, records[i].v1, records[i].v2};

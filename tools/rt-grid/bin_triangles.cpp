@@ -32,11 +32,11 @@ void forEachBlock(std::size_t voxelCount, Body&& body) {
     });
 }
 
-ChunkVoxels voxelizeChunk(std::span<const TriangleRecord> triangles, const GridLayout& layout,
-                          std::atomic<std::uint64_t>& total, const ReferenceLimit& limit) {
+RT_WIDE_LANES ChunkVoxels voxelizeChunk(std::span<const TriangleRecord> triangles, const GridLayout& layout,
+                                        std::atomic<std::uint64_t>& total, const ReferenceLimit& limit) {
     ChunkVoxels chunk;
     chunk.countOfTriangle.reserve(triangles.size());
-    const glm::uvec3 dims = layout.dims;
+    const VoxelSpace space(layout);
     std::size_t reported = 0;
     const auto report = [&] {
         const std::uint64_t more = chunk.voxels.size() - reported;
@@ -46,8 +46,8 @@ ChunkVoxels voxelizeChunk(std::span<const TriangleRecord> triangles, const GridL
     };
     for (const TriangleRecord& triangle : triangles) {
         const std::size_t before = chunk.voxels.size();
-        forEachVoxelOf(voxelTriangle(triangle, layout), dims, layout.padCells, [&](const glm::uvec3& at) {
-            chunk.voxels.push_back((at.z * dims.y + at.y) * dims.x + at.x);
+        forEachVoxelOf(space.of(triangle), layout.dims, layout.padCells, [&](std::uint32_t voxel) {
+            chunk.voxels.push_back(voxel);
             // One giant triangle must not fill the memory before anyone counts.
             if (chunk.voxels.size() - reported == kVoxelsPerBlock) report();
         });

@@ -19,13 +19,22 @@ struct CellRefs {
     std::uint64_t referenceCount = 0; ///< triangles in all lists
 };
 
-/// A triangle's corners in voxels of the layout; computed in double from the layout's floats.
-inline VoxelTriangle voxelTriangle(const TriangleRecord& triangle, const GridLayout& layout) {
-    const glm::dvec3 lo(layout.gridLo);
-    const glm::dvec3 voxelsPerUnit = 1.0 / glm::dvec3(layout.cellSize);
-    return {(glm::dvec3(triangle.v0) - lo) * voxelsPerUnit, (glm::dvec3(triangle.v1) - lo) * voxelsPerUnit,
-            (glm::dvec3(triangle.v2) - lo) * voxelsPerUnit};
-}
+/// Voxels 2^level times finer than those of the layout, counted from the one at `first` on: what triangles
+/// are in them is computed in double from the layout's floats.
+class VoxelSpace {
+public:
+    explicit VoxelSpace(const GridLayout& layout, int level = 0, const glm::ivec3& first = glm::ivec3(0))
+        : lo_(lanesOf(glm::dvec3(layout.gridLo))),
+          voxelsPerUnit_(lanesOf(std::ldexp(1.0, level) / glm::dvec3(layout.cellSize))),
+          first_(lanesOf(glm::dvec3(first))) {}
+    VoxelTriangle of(const TriangleRecord& triangle) const {
+        return {of(triangle.v0), of(triangle.v1), of(triangle.v2)};
+    }
+
+private:
+    Lanes of(const glm::vec4& corner) const { return (lanesOf(corner) - lo_) * voxelsPerUnit_ - first_; }
+    Lanes lo_, voxelsPerUnit_, first_;
+};
 
 /// Lists every triangle in each voxel whose cube, grown by layout.padCells on every side, it meets; see
 /// forEachVoxelOf(). The result does not depend on the number of threads. Memory: see limits.h.

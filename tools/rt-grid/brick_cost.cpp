@@ -1,14 +1,15 @@
 #include "tools/rt-grid/brick_cost.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 namespace rt {
 namespace {
 
-constexpr std::size_t kLargestSample = 12; // triangles of a list that are looked at
-constexpr double kLongList = 400.0;        // triangles times 2^level from which on words are cheap
+constexpr std::size_t kLargestSample = 6; // triangles of a list that are looked at
+constexpr double kLongList = 400.0;       // triangles times 2^level from which on words are cheap
 
 struct Cost {
     double work; // steps and tests of a ray, a test counted like a step
@@ -20,11 +21,13 @@ Cost costOfLeaf(double count) {
 }
 
 // A ray that meets the voxel meets one of its side^3 parts with probability side^-2.
+constexpr std::array<double, kMaxBrickShift + 1> kChance{1.0, 0x1p-2, 0x1p-4, 0x1p-6, 0x1p-8, 0x1p-10};
+
 Cost costOfBrick(const Spread& spread, int shift) {
     const double side = 1 << shift;
     const double references = spread.references(side);
-    const double leaves = references / kReferencesPerLeaf;
-    return {2.0 + (leaves + references) / (side * side),
+    const double leaves = references * (1.0 / kReferencesPerLeaf);
+    return {2.0 + (leaves + references) * kChance[static_cast<std::size_t>(shift)],
             side * side * side + kListHeaderWords * leaves + references};
 }
 

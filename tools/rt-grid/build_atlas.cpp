@@ -88,7 +88,8 @@ BuiltAtlas buildAtlas(const MeshFile& meshFile, const std::string& name, const B
     if (options.nest) preset.nest = *options.nest;
     GridStages stages;
     timer.begin("rebase");
-    stages.rebase = chooseRebase(boundsOf(mesh));
+    stages.worldBounds = sceneBounds(mesh);
+    stages.rebase = chooseRebase(stages.worldBounds);
     stages.triangles = rebaseTriangles(mesh, stages.rebase);
     if (showsImages(mesh)) stages.pages = placeImages(mesh.images, name);
     timer.begin("bin");

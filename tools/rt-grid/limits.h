@@ -36,7 +36,7 @@ std::uint64_t forecastBytes(const BuildSize& size);
 
 /// Bytes that one triangle-voxel reference costs at most while lists are built: its voxel (4), its place in
 /// the list (4), and the list's exit box (4) if it is alone in it. A word of a brick costs no more: it is
-/// made in an array that grows by doubling and then moved.
+/// made in memory that blocks share, kept (4), and then moved to its place (4).
 inline constexpr std::uint64_t kBytesPerReference = 12;
 
 /// How many references and brick words a build may make, and what to say if it makes more.

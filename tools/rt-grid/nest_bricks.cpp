@@ -2,32 +2,52 @@
 
 #include "common/error.h"
 #include "tools/rt-grid/brick_cost.h"
+#include "tools/rt-grid/leaf_relations.h"
 
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <new>
-#include <sys/mman.h>
 #include <utility>
 
 namespace rt {
 namespace {
 
 constexpr std::size_t kVoxelsPerBlock = 64;
-constexpr std::size_t kHugePage = std::size_t(1) << 21; // bytes
-constexpr std::size_t kAhead = 8;                       // triangles asked from memory before their turn
+constexpr std::size_t kBatch =
+    16; // triangles that are asked from memory, and whose boxes are found, together
 constexpr double kLargestSpread =
     2.0; // voxels that a triangle meets on average where a brick parts triangles
 
 // What consecutive voxels of the grid hold; offsets count from the block's own beginning.
 struct Block {
-    std::vector<std::uint32_t> bricks;
-    std::vector<std::uint32_t> references;
+    std::span<const std::uint32_t> bricks;
+    std::span<const std::uint32_t> references;
     std::vector<BrickPlace> places;
     std::uint64_t leaves = 0;
+};
+
+// Keeps copies of words, many of them in one piece of memory.
+class WordStore {
+public:
+    std::span<const std::uint32_t> keep(std::span<const std::uint32_t> words) {
+        if (words.size() > free_.size()) {
+            pieces_.emplace_back(std::max(words.size(), kWordsPerPiece));
+            free_ = pieces_.back();
+        }
+        const std::span<std::uint32_t> kept = free_.first(words.size());
+        free_ = free_.subspan(words.size());
+        std::copy(words.begin(), words.end(), kept.begin());
+        return kept;
+    }
+
+private:
+    static constexpr std::size_t kWordsPerPiece = std::size_t(1) << 20;
+    std::vector<FreshArray<std::uint32_t>> pieces_;
+    std::span<std::uint32_t> free_; // of the last piece
 };
 
 // Counts words over all blocks and stops the build where they become too many.
@@ -68,13 +88,63 @@ private:
     std::uint64_t words_ = 0;
 };
 
+// A triangle in a voxel of a brick.
+struct Entry {
+    std::uint32_t cell;
+    std::uint32_t triangle;
+};
+
+// Makes entries of the brick's triangles and counts them in its voxels' words.
+RT_WIDE_LANES void binInto(const BrickPlace& place, const Nesting& nesting,
+                           std::span<const std::uint32_t> list, std::uint32_t* counts,
+                           std::vector<Entry>& entries, LeafRelations& relations) {
+    const double pad = padCellsFor(nesting.layout.dims, place.level);
+    const VoxelSpace space(nesting.layout, place.level, place.first);
+    const glm::uvec3 dims(1u << place.shift);
+    entries.clear();
+    relations.begin(place.words(), list.size());
+    std::array<VoxelTriangle, kBatch> corners;
+    std::array<voxelize::Box, kBatch> boxes;
+    for (std::size_t first = 0; first < list.size(); first += kBatch) {
+        const std::size_t count = std::min(kBatch, list.size() - first);
+        for (std::size_t i = 0; i < count; ++i) {
+            if (first + i + kBatch < list.size())
+                __builtin_prefetch(&nesting.triangles[list[first + i + kBatch]]);
+            corners[i] = space.of(nesting.triangles[list[first + i]]);
+            boxes[i] = voxelize::Box(corners[i], dims, pad);
+        }
+        for (std::size_t i = 0; i < count; ++i)
+            forEachVoxelOf(corners[i], boxes[i], dims, pad, [&](std::uint32_t cell) {
+                ++counts[cell];
+                entries.push_back({cell, list[first + i]});
+                relations.add(cell, first + i);
+            });
+    }
+}
+
+// Builds blocks one after the other, in the same memory.
 class BlockBuilder {
 public:
-    BlockBuilder(const Nesting& nesting, Block& block)
-        : nesting_(nesting), block_(block), words_(nesting.budget) {}
-    // To be called after the last voxel.
-    void finish() { words_.report(); }
+    explicit BlockBuilder(const Nesting& nesting) : nesting_(nesting), words_(nesting.budget) {}
 
+    // Replaces the words of voxels of the grid, from `first` on. The block lives as long as the object.
+    Block build(const CellRefs& grid, std::span<std::uint32_t> voxels, std::size_t first) {
+        bricks_.clear();
+        references_.clear();
+        places_.clear();
+        leaves_ = 0;
+        const glm::uvec3& dims = nesting_.layout.dims;
+        for (std::size_t i = first; std::uint32_t & word : voxels) {
+            const std::size_t row = i / dims.x;
+            if (word != 0)
+                word = wordOf(glm::uvec3(i % dims.x, row % dims.y, row / dims.y), grid, leafList(word));
+            ++i;
+        }
+        words_.report();
+        return {store_.keep(bricks_), store_.keep(references_), places_, leaves_};
+    }
+
+private:
     // Returns the word of a voxel of the grid with the list at offset `list`.
     std::uint32_t wordOf(const glm::uvec3& voxel, const CellRefs& grid, std::size_t list) {
         copyTriangles(grid.references, list, lists_);
@@ -84,12 +154,11 @@ public:
         if (shift == 0) return leafWord(copyLeaf(lists_));
         pending_.clear();
         const std::uint32_t word = newBrick(glm::ivec3(voxel), shift, 0, 0);
-        pending_.push_back({block_.places.size() - 1, 0, lists_.size()});
+        pending_.push_back({places_.size() - 1, 0, lists_.size()});
         for (std::size_t i = 0; i < pending_.size(); ++i) fillBrick(pending_[i]);
         return word;
     }
 
-private:
     struct Pending {
         std::size_t place;
         std::size_t firstInList; // in lists_
@@ -98,86 +167,70 @@ private:
     // A brick's voxel while its list is filled.
     static constexpr std::uint32_t kToBrick = 0x80000000u; // the list goes to lists_, not to references
 
-    // A leaf whose entries are still 0, but for the mark of the last one.
-    std::uint32_t newLeaf(std::size_t count) {
+    // A leaf with these triangles; returns where its list is.
+    std::uint32_t copyLeaf(std::span<const std::uint32_t> list) {
         words_.take(kListHeaderWords);
-        const std::size_t offset = block_.references.size();
-        block_.references.resize(offset + kListHeaderWords + count);
-        block_.references.back() = kLastInList;
-        ++block_.leaves;
+        ++leaves_;
+        const std::size_t offset = references_.size();
+        references_.push_back(0);
+        references_.insert(references_.end(), list.begin(), list.end());
+        references_.back() |= kLastInList;
         return static_cast<std::uint32_t>(offset);
     }
-    std::uint32_t copyLeaf(std::span<const std::uint32_t> list) {
-        const std::uint32_t offset = newLeaf(list.size());
-        std::copy(list.begin(), list.end(), block_.references.begin() + offset + kListHeaderWords);
-        block_.references.back() |= kLastInList;
-        return offset;
-    }
     std::uint32_t newBrick(const glm::ivec3& voxel, int shift, int level, int depth) {
-        const auto offset = static_cast<std::uint32_t>(block_.bricks.size());
+        const auto offset = static_cast<std::uint32_t>(bricks_.size());
         const BrickPlace place{offset, shift, level + shift, depth + 1, voxel * (1 << shift)};
         words_.take(place.words());
-        block_.bricks.resize(offset + std::size_t(place.words()));
-        block_.places.push_back(place);
+        bricks_.resize(offset + std::size_t(place.words()));
+        places_.push_back(place);
         return brickWord(offset, shift);
     }
 
-    // A triangle in a voxel of a brick.
-    struct Entry {
-        std::uint32_t cell;
-        std::uint32_t triangle;
-    };
-
-    // Makes entries_ of the brick's triangles and counts them in its voxels' words.
-    void binInto(const BrickPlace& place, std::span<const std::uint32_t> list) {
-        const double pad = padCellsFor(nesting_.layout.dims, place.level);
-        const glm::dvec3 voxelsPerUnit = std::ldexp(1.0, place.level) / glm::dvec3(nesting_.layout.cellSize);
-        const glm::dvec3 first = glm::dvec3(nesting_.layout.gridLo) * voxelsPerUnit + glm::dvec3(place.first);
-        const auto inBrick = [&](const glm::vec4& corner) {
-            return glm::dvec3(corner) * voxelsPerUnit - first;
-        };
-        entries_.clear();
-        std::uint32_t* const counts = block_.bricks.data() + place.offset;
-        for (std::size_t i = 0; i < list.size(); ++i) {
-            if (i + kAhead < list.size()) __builtin_prefetch(&nesting_.triangles[list[i + kAhead]]);
-            const std::uint32_t id = list[i];
-            const TriangleRecord& triangle = nesting_.triangles[id];
-            const VoxelTriangle t{inBrick(triangle.v0), inBrick(triangle.v1), inBrick(triangle.v2)};
-            forEachVoxelOf(t, glm::uvec3(1u << place.shift), pad, [&](const glm::uvec3& at) {
-                const std::uint32_t cell = (((at.z << place.shift) + at.y) << place.shift) + at.x;
-                ++counts[cell];
-                entries_.push_back({cell, id});
-            });
-        }
+    void fillBrick(const Pending pending) {
+        const BrickPlace place = places_[pending.place];
+        binInto(place, nesting_, std::span(lists_).subspan(pending.firstInList, pending.count),
+                bricks_.data() + place.offset, entries_, relations_);
         words_.take(entries_.size());
+        placeLists(place);
+        for (const Entry& entry : entries_) {
+            const std::uint32_t end = ends_[entry.cell]++;
+            (end & kToBrick ? lists_[end & ~kToBrick] : references_[end]) = entry.triangle;
+        }
+        for (const std::uint32_t cell : leafCells_) references_[ends_[cell] - 1] |= kLastInList;
+        for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
+        if (nesting_.options.exitReach > 0)
+            relations_.nameSteps(std::span(bricks_).subspan(place.offset, place.words()), place.shift,
+                                 leafCells_, references_.data());
     }
 
-    void fillBrick(const Pending pending) {
-        const BrickPlace place = block_.places[pending.place];
-        binInto(place, std::span(lists_).subspan(pending.firstInList, pending.count));
-        const bool deepest = place.depth >= nesting_.options.maxDepth;
+    // Makes room for the lists of a brick's voxels, whose words are the numbers of their triangles.
+    void placeLists(const BrickPlace& place) {
         crowded_.clear();
-        ends_.resize(place.words());
+        leafCells_.clear();
+        ends_.resize(std::max<std::size_t>(ends_.size(), place.words()));
+        const std::uint32_t most =
+            place.depth >= nesting_.options.maxDepth ? ~0u : nesting_.options.leafSize; // in a leaf
+        std::size_t reference = references_.size();
         std::size_t end = lists_.size();
         for (std::uint32_t cell = 0; cell < place.words(); ++cell) {
-            const std::uint32_t count = block_.bricks[place.offset + cell];
+            std::uint32_t& word = bricks_[place.offset + cell];
+            const std::uint32_t count = word;
             if (count == 0) continue;
-            if (count <= nesting_.options.leafSize || deepest) {
-                const std::uint32_t offset = newLeaf(count);
-                ends_[cell] = offset + kListHeaderWords;
-                block_.bricks[place.offset + cell] = leafWord(offset);
-                continue;
+            if (count <= most) {
+                word = leafWord(static_cast<std::uint32_t>(reference));
+                ends_[cell] = static_cast<std::uint32_t>(reference) + kListHeaderWords;
+                reference += kListHeaderWords + count;
+                leafCells_.push_back(cell);
+            } else {
+                crowded_.push_back({cell, end, count});
+                ends_[cell] = kToBrick | static_cast<std::uint32_t>(end);
+                end += count;
             }
-            crowded_.push_back({cell, end, count});
-            ends_[cell] = kToBrick | static_cast<std::uint32_t>(end);
-            end += count;
         }
+        words_.take(kListHeaderWords * leafCells_.size());
+        leaves_ += leafCells_.size();
+        references_.resize(reference);
         lists_.resize(end);
-        for (const Entry& entry : entries_) {
-            const std::uint32_t e = ends_[entry.cell]++;
-            (e & kToBrick ? lists_[e & ~kToBrick] : block_.references[e]) |= entry.triangle;
-        }
-        for (const Crowded& voxel : crowded_) placeCrowded(place, voxel, pending.count);
     }
 
     // A voxel that may become a brick.
@@ -193,25 +246,31 @@ private:
             static_cast<double>(entries_.size()) <= kLargestSpread * static_cast<double>(parentCount);
         const int shift = parted ? nesting_.cost.shiftFor(list, parent.level) : 0;
         if (shift == 0) {
-            block_.bricks[parent.offset + voxel.cell] = leafWord(copyLeaf(list));
+            bricks_[parent.offset + voxel.cell] = leafWord(copyLeaf(list));
+            leafCells_.push_back(voxel.cell);
             return;
         }
         const std::uint32_t side = 1u << parent.shift;
         const glm::uvec3 at(voxel.cell & (side - 1), (voxel.cell >> parent.shift) & (side - 1),
                             voxel.cell >> (2 * parent.shift));
         const std::uint32_t word = newBrick(parent.first + glm::ivec3(at), shift, parent.level, parent.depth);
-        block_.bricks[parent.offset + voxel.cell] = word;
-        pending_.push_back({block_.places.size() - 1, voxel.firstInList, voxel.count});
+        bricks_[parent.offset + voxel.cell] = word;
+        pending_.push_back({places_.size() - 1, voxel.firstInList, voxel.count});
     }
 
     const Nesting& nesting_;
-    Block& block_;
     WordCount words_;
+    WordStore store_;
+    std::vector<std::uint32_t> bricks_, references_; // of the block
+    std::vector<BrickPlace> places_;
+    std::uint64_t leaves_ = 0;
     std::vector<Pending> pending_;     // bricks of this voxel of the grid, in the order of bricksOf()
     std::vector<std::uint32_t> lists_; // the triangles of those bricks
     std::vector<Entry> entries_;       // of the brick that is being filled
     std::vector<std::uint32_t> ends_;
     std::vector<Crowded> crowded_;
+    std::vector<std::uint32_t> leafCells_; // that brick's
+    LeafRelations relations_;
 };
 
 struct BlockStart {
@@ -228,7 +287,7 @@ std::uint32_t relocated(std::uint32_t word, const BlockStart& start) {
 // Moves the blocks, one after the other, into the whole.
 class Assembly {
 public:
-    Assembly(std::vector<Block>& blocks, NestedVoxels& whole) : blocks_(blocks), whole_(whole) {
+    Assembly(const std::vector<Block>& blocks, NestedVoxels& whole) : blocks_(blocks), whole_(whole) {
         starts_.reserve(blocks.size());
         BlockStart next;
         for (const Block& block : blocks) {
@@ -238,13 +297,13 @@ public:
             next.place += block.places.size();
             whole.occupiedVoxels += block.leaves;
         }
-        whole.bricks = WordArray(next.brick);
-        whole.references = WordArray(next.reference);
+        whole.bricks = FreshArray<std::uint32_t>(next.brick);
+        whole.references = FreshArray<std::uint32_t>(next.reference);
         whole.referenceCount = next.reference - kListHeaderWords * whole.occupiedVoxels;
         whole.places.resize(next.place);
     }
     void move(std::size_t i) {
-        Block& block = blocks_[i];
+        const Block& block = blocks_[i];
         const BlockStart& start = starts_[i];
         const std::size_t firstVoxel = i * kVoxelsPerBlock;
         const std::size_t lastVoxel = std::min(whole_.voxels.size(), firstVoxel + kVoxelsPerBlock);
@@ -258,25 +317,15 @@ public:
             BrickPlace& place = whole_.places[start.place + k] = block.places[k];
             place.offset += static_cast<std::uint32_t>(start.brick);
         }
-        block = Block();
     }
 
 private:
-    std::vector<Block>& blocks_;
+    const std::vector<Block>& blocks_;
     NestedVoxels& whole_;
     std::vector<BlockStart> starts_;
 };
 
 } // namespace
-
-WordArray::WordArray(std::size_t count) : size(count) {
-    if (count == 0) return;
-    const std::size_t bytes = (count * sizeof(std::uint32_t) + kHugePage - 1) / kHugePage * kHugePage;
-    void* const memory = std::aligned_alloc(kHugePage, bytes);
-    if (!memory) throw std::bad_alloc();
-    madvise(memory, bytes, MADV_HUGEPAGE); // only a wish: less time in page faults
-    words = std::shared_ptr<std::uint32_t[]>(static_cast<std::uint32_t*>(memory), std::free);
-}
 
 NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
                         const NestOptions& options, const ReferenceLimit& limit) {
@@ -289,17 +338,12 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
                           BrickCost(triangles, layout.cellsPerUnit, options.wordCost,
                                     finestLevelOf(std::max({dims.x, dims.y, dims.z}))),
                           budget};
+    tbb::enumerable_thread_specific<BlockBuilder> builders([&] { return BlockBuilder(nesting); });
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) {
-        BlockBuilder builder(nesting, blocks[i]);
-        const std::size_t last = std::min(nested.voxels.size(), (i + 1) * kVoxelsPerBlock);
-        for (std::size_t voxel = i * kVoxelsPerBlock; voxel < last; ++voxel) {
-            std::uint32_t& word = nested.voxels[voxel];
-            if (word == 0) continue;
-            const std::size_t row = voxel / dims.x;
-            const glm::uvec3 at(voxel % dims.x, row % dims.y, row / dims.y);
-            word = builder.wordOf(at, grid, leafList(word));
-        }
-        builder.finish();
+        const std::size_t first = i * kVoxelsPerBlock;
+        const std::span<std::uint32_t> voxels = std::span(nested.voxels).subspan(first);
+        blocks[i] =
+            builders.local().build(grid, voxels.first(std::min(voxels.size(), kVoxelsPerBlock)), first);
     });
     Assembly assembly(blocks, nested);
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) { assembly.move(i); });

@@ -1,8 +1,8 @@
 #pragma once
 #include "formats/atlas.h"
 #include "tools/rt-grid/bin_triangles.h"
+#include "tools/rt-grid/fresh_array.h"
 
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,24 +14,15 @@ struct NestOptions {
     unsigned leafSize = 12;    ///< triangles that a voxel of a brick may list
     double wordCost = 0.009;   ///< see BrickCost
     int maxDepth = 3;          ///< bricks in bricks
-    int exitReach = 3; ///< voxels beyond a leaf that its exit box may reach, at most 31; 0: no exit boxes
+    int exitReach = 2; ///< voxels beyond a leaf that its exit box may reach, at most 31; 0: no exit boxes
 };
 
-/// Words in memory that nobody has written before: filling them from several threads is what costs.
-struct WordArray {
-    std::shared_ptr<std::uint32_t[]> words;
-    std::size_t size = 0;
-
-    explicit WordArray(std::size_t count = 0);
-    std::uint32_t* data() const { return words.get(); }
-    SharedSpan<std::uint32_t> share() const { return {std::span(words.get(), size), words}; }
-};
-
-/// A nested structure without its boxes: empty voxels are 0, exit boxes too.
+/// A nested structure without its boxes: empty voxels are 0. The exit boxes of leaves in bricks name steps
+/// from leaf to leaf instead: see LeafRelations.
 struct NestedVoxels {
     std::vector<std::uint32_t> voxels;
-    WordArray bricks;
-    WordArray references;
+    FreshArray<std::uint32_t> bricks;
+    FreshArray<std::uint32_t> references;
     std::vector<BrickPlace> places; ///< of all bricks, in the order of bricksOf()
     std::uint64_t occupiedVoxels = 0;
     std::uint64_t referenceCount = 0;

@@ -15,7 +15,7 @@ std::uint64_t lowBits(int count) {
 
 // Bit i of the result: whether any of the 2^shift bits from i * 2^shift on is set.
 std::uint64_t anyOfGroups(std::uint64_t bits, int shift, int groups) {
-    if (shift == 0) return bits;
+    if (shift == 0 || bits == 0) return bits;
     std::uint64_t result = 0;
     const std::uint64_t group = lowBits(1 << shift);
     for (int i = 0; i < groups; ++i) result |= std::uint64_t((bits >> (i << shift) & group) != 0) << i;

@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/atlas.h"
+#include "tools/rt-grid/lanes.h"
 
 #include <array>
 #include <cstdint>
@@ -69,11 +70,19 @@ public:
     std::uint64_t row(int y, int z) const { return rows_[index(y, z)]; }
     /// The rows of a block, all in one.
     std::uint64_t rowsIn(int y0, int y1, int z0, int z1) const {
-        std::uint64_t bits = 0;
+        BitLanes bits{};
         const std::uint64_t* line = &rows_[index(y0, z0)];
-        for (int z = z0; z <= z1; ++z, line += side_)
-            for (int y = 0; y <= y1 - y0; ++y) bits |= line[y];
-        return bits;
+        const int lastFour = y1 - y0 - 3;
+        if (lastFour < 0) {
+            for (int z = z0; z <= z1; ++z, line += side_) bits |= fourRows(line);
+            bits &= kFirstLanes[y1 - y0];
+        } else {
+            for (int z = z0; z <= z1; ++z, line += side_) {
+                for (int y = 0; y < lastFour; y += 4) bits |= fourRows(line + y);
+                bits |= fourRows(line + lastFour);
+            }
+        }
+        return static_cast<std::uint64_t>(bits[0] | bits[1] | bits[2] | bits[3]);
     }
 
 private:
@@ -81,6 +90,12 @@ private:
         glm::ivec3 lo, hi; // rows and bits of the window, both included
         bool empty() const { return lo.x > hi.x || lo.y > hi.y || lo.z > hi.z; }
     };
+    static constexpr BitLanes kFirstLanes[3] = {{-1, 0, 0, 0}, {-1, -1, 0, 0}, {-1, -1, -1, 0}};
+    static BitLanes fourRows(const std::uint64_t* rows) {
+        BitLanes four;
+        std::memcpy(&four, rows, sizeof four);
+        return four;
+    }
     std::size_t index(int y, int z) const { return static_cast<std::size_t>(z * side_ + y); }
     Clip clipOf(const glm::ivec3& voxel, int voxelLevel) const;
     void showGrid(const NestedOccupancy& occupancy);
@@ -94,7 +109,7 @@ private:
     int level_ = 0;
     int side_ = 0;
     glm::ivec3 first_{0};
-    std::array<std::uint64_t, kLargestSide * kLargestSide> rows_;
+    std::array<std::uint64_t, kLargestSide * kLargestSide + 3> rows_; // four may be read from any on
 };
 
 } // namespace rt

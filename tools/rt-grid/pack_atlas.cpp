@@ -11,19 +11,19 @@
 namespace rt {
 namespace {
 
-std::vector<glm::uvec4> verticesOfTriangles(const Mesh& mesh) {
-    std::vector<glm::uvec4> vertices(mesh.triangles.size());
+SharedSpan<glm::uvec4> verticesOfTriangles(const Mesh& mesh) {
+    const FreshArray<glm::uvec4> vertices(mesh.triangles.size());
     tbb::parallel_for(std::size_t(0), vertices.size(), [&](std::size_t i) {
         vertices[i] = glm::uvec4(mesh.triangles[i], mesh.triangleMaterial[i]);
     });
-    return vertices;
+    return vertices.share();
 }
 
-std::vector<std::uint32_t> encodedNormals(const Mesh& mesh) {
-    std::vector<std::uint32_t> encoded(mesh.normals.size());
+SharedSpan<std::uint32_t> encodedNormals(const Mesh& mesh) {
+    const FreshArray<std::uint32_t> encoded(mesh.normals.size());
     tbb::parallel_for(std::size_t(0), encoded.size(),
                       [&](std::size_t i) { encoded[i] = octEncode(mesh.normals[i]); });
-    return encoded;
+    return encoded.share();
 }
 
 SharedSpan<Material> materialsWithoutImages(const Mesh& mesh) {
@@ -44,11 +44,10 @@ std::uint32_t largestDistance(const std::vector<std::uint32_t>& voxels) {
 }
 
 AtlasInfo makeInfo(const MeshFile& meshFile, std::uint32_t structure, const GridStages& stages) {
-    const Bounds world = boundsOf(meshFile.mesh);
     AtlasInfo info{};
     for (int axis = 0; axis < 3; ++axis) {
-        info.worldLo[axis] = world.lo[axis];
-        info.worldHi[axis] = world.hi[axis];
+        info.worldLo[axis] = stages.worldBounds.lo[axis];
+        info.worldHi[axis] = stages.worldBounds.hi[axis];
     }
     info.padCells = stages.layout.padCells;
     info.meshHash = meshFile.contentHash;
@@ -90,7 +89,7 @@ Atlas packAtlas(const MeshFile& meshFile, std::uint32_t structure, GridStages st
     atlas.voxels = std::move(stages.words.voxels);
     atlas.bricks = std::move(stages.words.bricks);
     atlas.references = std::move(stages.words.references);
-    atlas.triangles = std::move(stages.triangles);
+    atlas.triangles = stages.triangles.share();
     atlas.triangleVertices = verticesOfTriangles(mesh);
     atlas.normals = encodedNormals(mesh);
     if (textured) atlas.texcoords = mesh.texcoords;

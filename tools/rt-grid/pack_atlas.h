@@ -19,7 +19,8 @@ struct VoxelWords {
 /// What the stages before packing made of a mesh.
 struct GridStages {
     Rebase rebase;
-    std::vector<TriangleRecord> triangles;
+    Bounds worldBounds;
+    FreshArray<TriangleRecord> triangles;
     GridLayout layout;
     VoxelWords words;
     PageLayout pages;

@@ -1,6 +1,8 @@
 #include "tools/rt-grid/rebase_scene.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <bit>
@@ -17,6 +19,23 @@ bool subtractsExactly(float lo, float hi) {
 }
 
 } // namespace
+
+Bounds sceneBounds(const Mesh& mesh) {
+    using Range = tbb::blocked_range<std::size_t>;
+    const auto addRange = [&](const Range& range, Bounds bounds) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            for (const std::uint32_t vertex : {mesh.triangles[i].x, mesh.triangles[i].y, mesh.triangles[i].z})
+                bounds.add(mesh.positions[vertex]);
+        return bounds;
+    };
+    const auto merged = [](Bounds a, const Bounds& b) {
+        a.lo = glm::min(a.lo, b.lo);
+        a.hi = glm::max(a.hi, b.hi);
+        return a;
+    };
+    const Bounds bounds = tbb::parallel_reduce(Range(0, mesh.triangles.size()), Bounds{}, addRange, merged);
+    return {bounds.lo + 0.0f, bounds.hi + 0.0f}; // no -0, which would depend on the order
+}
 
 Rebase chooseRebase(const Bounds& bounds) {
     Rebase rebase;
@@ -36,8 +55,8 @@ Rebase chooseRebase(const Bounds& bounds) {
     return rebase;
 }
 
-std::vector<TriangleRecord> rebaseTriangles(const Mesh& mesh, const Rebase& rebase) {
-    std::vector<TriangleRecord> records(mesh.triangles.size());
+FreshArray<TriangleRecord> rebaseTriangles(const Mesh& mesh, const Rebase& rebase) {
+    FreshArray<TriangleRecord> records(mesh.triangles.size());
     const auto rebased = [&](std::uint32_t vertex, float w) {
         return glm::vec4((mesh.positions[vertex] - rebase.offsetWorld) * rebase.scale, w);
     };

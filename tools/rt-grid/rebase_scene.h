@@ -1,8 +1,7 @@
 #pragma once
 #include "formats/atlas.h"
 #include "formats/mesh.h"
-
-#include <vector>
+#include "tools/rt-grid/fresh_array.h"
 
 namespace rt {
 
@@ -12,6 +11,9 @@ struct Rebase {
     float scale = 1.0f; ///< a power of two, 2^-120 to 2^120
 };
 
+/// boundsOf() on all cores.
+Bounds sceneBounds(const Mesh& mesh);
+
 /// Chooses a rebase that makes the largest extent of `bounds` 0.5 to 1 and rounds no vertex inside them. On
 /// an axis whose numbers stay within a factor of two of each other any float between them subtracts exactly
 /// (Sterbenz 1974), so the one nearest the middle is taken; on all other axes nothing is subtracted, and no
@@ -20,6 +22,6 @@ Rebase chooseRebase(const Bounds& bounds);
 
 /// Returns the mesh's triangles in atlas space, in the mesh's order; the bits of v0.w are the triangle's
 /// index.
-std::vector<TriangleRecord> rebaseTriangles(const Mesh& mesh, const Rebase& rebase);
+FreshArray<TriangleRecord> rebaseTriangles(const Mesh& mesh, const Rebase& rebase);
 
 } // namespace rt

@@ -1,230 +1,402 @@
 #pragma once
+#include "tools/rt-grid/lanes.h"
+
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
-#include <utility>
+#include <cstdint>
 
 namespace rt {
 
-/// A triangle in voxel coordinates: voxel (x, y, z) is the cube from (x, y, z) to (x+1, y+1, z+1).
-using VoxelTriangle = std::array<glm::dvec3, 3>;
+/// A triangle in voxel coordinates: voxel (x, y, z) is the cube from (x, y, z) to (x+1, y+1, z+1). Lanes x, y
+/// and z of three corners; the last lane is finite.
+using VoxelTriangle = std::array<Lanes, 3>;
+
+inline VoxelTriangle voxelTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    return {lanesOf(a), lanesOf(b), lanesOf(c)};
+}
 
 namespace voxelize {
-
-/// The least whole number that is not below `value`, the largest that is not above it: std::ceil and
-/// std::floor for absolute values up to 2^30, which is quicker.
-inline int wholeAbove(double value) {
-    const auto whole = static_cast<int>(value);
-    return whole + (whole < value);
-}
-inline int wholeBelow(double value) {
-    const auto whole = static_cast<int>(value);
-    return whole - (whole > value);
-}
 
 /// Whole indices from lo to hi, both included; none if lo > hi.
 struct Indices {
     int lo;
     int hi;
+    int count() const { return hi - lo + 1; }
 };
 
-/// Indices from lo to hi, both included and not yet rounded to whole ones; none if lo > hi.
-struct Range {
-    double lo;
-    double hi;
-
-    Range(const Indices& whole) : lo(whole.lo), hi(whole.hi) {}
-    /// Of a range that is not empty, in a range of whole indices.
-    Indices whole() const { return {wholeAbove(lo), wholeBelow(hi)}; }
-};
-
-/// The condition lo <= slope * index + others <= hi, solved for the index. Any condition that the padded
-/// voxels of a triangle meet is sound, so rounded slopes lose nothing.
-class Slope {
+/// Indices from lo to hi, both included and not yet rounded to whole ones. Lane 0 is lo, lane 1 is -hi, the
+/// others are of no account.
+class Range {
 public:
-    Slope(double slope, double lo, double hi)
-        : inverse_(slope == 0.0 ? kSteep : 1.0 / slope), lo_(lo), hi_(hi) {
-        if (slope < 0.0) std::swap(lo_, hi_);
+    explicit Range(const Lanes& loAndMinusHi) : bounds_(loAndMinusHi) {}
+    bool empty() const { return bounds_[0] + bounds_[1] > 0.0; }
+    Range inBoth(const Range& other) const { return Range(greater(bounds_, other.bounds_)); }
+    /// Of a range that is not empty, between -2^30 and 2^30.
+    Indices whole() const {
+        const IntLanes whole = wholeAbove(bounds_);
+        return {whole[0], -whole[1]};
     }
-    /// Keeps the part of `range` that meets the condition.
-    void narrow(Range& range, double others) const {
-        range.lo = std::max(range.lo, (lo_ - others) * inverse_);
-        range.hi = std::min(range.hi, (hi_ - others) * inverse_);
+
+private:
+    Lanes bounds_;
+};
+
+/// Four conditions lo <= slope * index + others <= hi, solved for the index. Any condition that the padded
+/// voxels of a triangle meet is sound, so rounded slopes lose nothing.
+class Conditions {
+public:
+    Conditions(const Lanes& slope, const Lanes& lo, const Lanes& hi)
+        : inverse_(slope == 0.0 ? allLanes(kSteep) : 1.0 / slope), lo_(slope < 0.0 ? hi : lo),
+          hi_(slope < 0.0 ? lo : hi) {}
+    /// The indices that meet all four.
+    Range solve(const Lanes& others) const {
+        const Lanes lo = (lo_ - others) * inverse_;
+        const Lanes minusHi = (others - hi_) * inverse_;
+        const Lanes pairs = greater(__builtin_shufflevector(lo, minusHi, 0, 4, 2, 6),
+                                    __builtin_shufflevector(lo, minusHi, 1, 5, 3, 7));
+        return Range(greater(pairs, __builtin_shufflevector(pairs, pairs, 2, 3, 2, 3)));
     }
 
 private:
     // Stands for 1 / 0: makes the bounds all or nothing, as `others` meets the condition or not.
     static constexpr double kSteep = 0x1p900;
-    double inverse_;
-    double lo_, hi_; // exchanged where the slope is negative
+    Lanes inverse_;
+    Lanes lo_, hi_; // exchanged where the slope is negative
 };
 
-/// A separating axis as a condition on a voxel's index: the triangle's and the padded voxel's shadows on the
-/// axis overlap if and only if lo <= dot(normal, index) <= hi.
-struct Shadow {
-    double lo;
-    double hi;
+/// Separating axes as conditions on a voxel's index: the triangle's and the padded voxel's shadows on an axis
+/// overlap if and only if lo <= dot(normal, index) <= hi.
+struct Shadows {
+    Lanes lo;
+    Lanes hi;
 
     // A normal of 0 has to let everything pass, hence 2^-100.
-    Shadow(double a, double b, double middle, double radius)
-        : lo(std::min(a, b) - middle - (radius + 0x1p-100)),
-          hi(std::max(a, b) - middle + (radius + 0x1p-100)) {}
+    Shadows(const Lanes& a, const Lanes& b, const Lanes& middle, const Lanes& radius)
+        : lo(lesser(a, b) - middle - (radius + 0x1p-100)), hi(greater(a, b) - middle + (radius + 0x1p-100)) {}
 };
 
-/// The axis across an edge and one coordinate axis: one of the 2D test of the triangle's and the voxel's
-/// projections to the plane of the axes u and v.
-struct EdgeAxis {
-    double normalU;
-    double normalV;
-    Shadow shadow;
+/// What the corners have along one axis, the first one again at the end, and what the edges from each to the
+/// next one have.
+struct Component {
+    Lanes corner;
+    Lanes edge;
 
-    EdgeAxis(const VoxelTriangle& t, int edge, int u, int v, double pad)
-        : EdgeAxis(t[static_cast<std::size_t>(edge)], t[static_cast<std::size_t>((edge + 1) % 3)],
-                   t[static_cast<std::size_t>((edge + 2) % 3)], u, v, pad) {}
-    Slope alongU() const { return {normalU, shadow.lo, shadow.hi}; }
-    Slope alongV() const { return {normalV, shadow.lo, shadow.hi}; }
+    explicit Component(const Lanes& corners) : corner(corners), edge(next(corners) - corners) {}
+    static Lanes next(const Lanes& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 1); }
+};
+
+/// The axes across the edges and one coordinate axis: the 2D test of the triangle's and the voxel's
+/// projections to the plane of the axes u and v. The last lane repeats the first one.
+struct EdgeAxes {
+    Lanes normalU;
+    Lanes normalV;
+    Shadows shadows;
+
+    EdgeAxes(const Component& u, const Component& v, double pad)
+        : normalU(v.edge), normalV(-u.edge),
+          shadows(normalU * u.corner + normalV * v.corner,
+                  normalU * opposite(u.corner) + normalV * opposite(v.corner), 0.5 * (normalU + normalV),
+                  (0.5 + pad) * (absolute(normalU) + absolute(normalV))) {}
 
 private:
-    EdgeAxis(const glm::dvec3& from, const glm::dvec3& to, const glm::dvec3& opposite, int u, int v,
-             double pad)
-        : normalU(to[v] - from[v]), normalV(from[u] - to[u]),
-          shadow(normalU * from[u] + normalV * from[v], normalU * opposite[u] + normalV * opposite[v],
-                 0.5 * (normalU + normalV), (0.5 + pad) * (std::abs(normalU) + std::abs(normalV))) {}
+    static Lanes opposite(const Lanes& v) { return __builtin_shufflevector(v, v, 2, 0, 1, 2); }
 };
 
-/// The three edges' conditions on (u, v): solved for u, with what v adds to each.
-class EdgeSlopes {
+/// The edges' conditions on (u, v), and that u is in the box: solved for u.
+class RowSolver {
 public:
-    EdgeSlopes(const VoxelTriangle& t, int u, int v, double pad)
-        : EdgeSlopes(EdgeAxis(t, 0, u, v, pad), EdgeAxis(t, 1, u, v, pad), EdgeAxis(t, 2, u, v, pad)) {}
-    void narrow(Range& range, double atV) const {
-        for (std::size_t i = 0; i < 3; ++i) slopes_[i].narrow(range, normalV_[i] * atV);
+    RowSolver(const Component& u, const Component& v, const Indices& boxU, double pad)
+        : RowSolver(EdgeAxes(u, v, pad), boxU) {}
+    Range at(int v) const { return conditions_.solve(normalV_ * static_cast<double>(v)); }
+
+private:
+    RowSolver(const EdgeAxes& axes, const Indices& boxU)
+        : conditions_(withLast(axes.normalU, 1.0), withLast(axes.shadows.lo, boxU.lo),
+                      withLast(axes.shadows.hi, boxU.hi)),
+          normalV_(withLast(axes.normalV, 0.0)) {}
+    Conditions conditions_;
+    Lanes normalV_;
+};
+
+/// The plane's axis. All three corners count: a sliver's normal is mostly rounding.
+inline Shadows planeShadows(const Component& u, const Component& v, const Component& w,
+                            const glm::dvec3& normal, double pad) {
+    const Lanes d = normal.x * u.corner + normal.y * v.corner + normal.z * w.corner;
+    return {allLanes(std::min({d[0], d[1], d[2]})), allLanes(std::max({d[0], d[1], d[2]})),
+            allLanes(0.5 * (normal.x + normal.y + normal.z)),
+            allLanes((0.5 + pad) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)))};
+}
+
+/// The plane's condition and those of the edges seen along v: solved for w.
+class ColumnSolver {
+public:
+    ColumnSolver(const Component& u, const Component& v, const Component& w, const glm::dvec3& normal,
+                 double pad)
+        : ColumnSolver(EdgeAxes(w, u, pad), planeShadows(u, v, w, normal, pad), normal) {}
+    Range at(int u, int v) const {
+        return conditions_.solve(normalU_ * static_cast<double>(u) + normalV_ * static_cast<double>(v));
     }
 
 private:
-    EdgeSlopes(const EdgeAxis& a, const EdgeAxis& b, const EdgeAxis& c)
-        : slopes_{a.alongU(), b.alongU(), c.alongU()}, normalV_{a.normalV, b.normalV, c.normalV} {}
-    std::array<Slope, 3> slopes_;
-    std::array<double, 3> normalV_;
+    ColumnSolver(const EdgeAxes& axes, const Shadows& plane, const glm::dvec3& normal)
+        : conditions_(withLast(axes.normalU, normal.z), withLast(axes.shadows.lo, plane.lo[0]),
+                      withLast(axes.shadows.hi, plane.hi[0])),
+          normalU_(withLast(axes.normalV, normal.x)), normalV_(withLast(allLanes(0.0), normal.y)) {}
+    Conditions conditions_;
+    Lanes normalU_, normalV_;
 };
 
-/// Indices along `axis` of the voxels, in an endless grid, whose padded extent meets the triangle's. Far ones
-/// are as good as at 2^30.
-inline Indices indicesAlong(const VoxelTriangle& t, int axis, double pad) {
-    constexpr double kFar = 0x1p30;
-    return {wholeAbove(std::clamp(std::min({t[0][axis], t[1][axis], t[2][axis]}) - pad - 1.0, -kFar, kFar)),
-            wholeBelow(std::clamp(std::max({t[0][axis], t[1][axis], t[2][axis]}) + pad, -kFar, kFar))};
+/// x, y and z, each of all three corners and then of the first one again.
+inline std::array<Lanes, 3> transposed(const VoxelTriangle& t) {
+    const Lanes abXZ = __builtin_shufflevector(t[0], t[1], 0, 4, 2, 6);
+    const Lanes abY = __builtin_shufflevector(t[0], t[1], 1, 5, 3, 7);
+    const Lanes caXZ = __builtin_shufflevector(t[2], t[0], 0, 4, 2, 6);
+    const Lanes caY = __builtin_shufflevector(t[2], t[0], 1, 5, 3, 7);
+    return {__builtin_shufflevector(abXZ, caXZ, 0, 1, 4, 5), __builtin_shufflevector(abY, caY, 0, 1, 4, 5),
+            __builtin_shufflevector(abXZ, caXZ, 2, 3, 6, 7)};
 }
 
-inline int longestComponent(const glm::dvec3& v) {
-    const glm::dvec3 a(std::abs(v.x), std::abs(v.y), std::abs(v.z));
-    return a.z >= a.x && a.z >= a.y ? 2 : a.y >= a.x ? 1 : 0;
+inline Lanes normalOf(const VoxelTriangle& t) {
+    const auto yzx = [](const Lanes& v) { return __builtin_shufflevector(v, v, 1, 2, 0, 3); };
+    const Lanes a = t[1] - t[0];
+    const Lanes b = t[2] - t[0];
+    return yzx(a * yzx(b) - yzx(a) * b);
 }
 
-/// A triangle, and the voxels that its bounds meet, with the axes turned so that a given one comes last.
+inline std::size_t longestComponent(const Lanes& v) {
+    const Lanes a = absolute(v);
+    const double most = std::max(a[0], a[1]);
+    return a[2] >= most ? 2u : static_cast<std::size_t>(a[1] >= a[0]);
+}
+
+/// Voxels along each axis that the bounds of a triangle, grown by the pad, meet.
+struct Box {
+    IntLanes first, last;  ///< inside the grid; lane 3 is of no account
+    unsigned longAxes = 0; ///< bit i: along axis i they are several, were the grid endless
+    bool empty = true;
+
+    Box() = default;
+    Box(const VoxelTriangle& t, const glm::uvec3& dims, double pad) {
+        constexpr double kFar = 0x1p30; // farther ones are as good as here
+        const auto bounded = [](const Lanes& v) {
+            return greater(lesser(v, allLanes(kFar)), allLanes(-kFar));
+        };
+        const IntLanes lo = wholeAbove(bounded(lesser(lesser(t[0], t[1]), t[2]) - (pad + 1.0)));
+        const IntLanes hi = -wholeAbove(bounded(-pad - greater(greater(t[0], t[1]), t[2])));
+        first = greater(lo, IntLanes{});
+        last = lesser(hi, IntLanes{int(dims.x) - 1, int(dims.y) - 1, int(dims.z) - 1, 0});
+        const IntLanes bits = ((lo < hi) & IntLanes{1, 2, 4, 0}) | ((first > last) & IntLanes{8, 8, 8, 0});
+        const auto flags = static_cast<unsigned>(bits[0] | bits[1] | bits[2]);
+        longAxes = flags & 7;
+        empty = flags > 7;
+    }
+    Indices along(std::size_t axis) const { return {first[axis], last[axis]}; }
+};
+
+/// Which voxels of a box of at most 4x4x4 a triangle meets: bit x + 4 y + 16 z, counted from the box's first
+/// voxel. Tries them all, four in a row at once, which is quicker than to solve conditions for so few.
+class SmallBox {
+public:
+    static constexpr int kSide = 4;
+    static bool holds(const Box& box) {
+        return box.along(0).count() <= kSide && box.along(1).count() <= kSide &&
+               box.along(2).count() <= kSide;
+    }
+
+    SmallBox(const Box& box, double pad) : box_(box), pad_(pad) {}
+    std::uint64_t voxelsOf(const VoxelTriangle& t) const;
+
+private:
+    static constexpr std::array<int, 3> kStride{1, 4, 16}; // bits from one voxel to the next
+
+    /// Times this, bits of voxels are set in so many, one after the other along an axis.
+    template <std::size_t kAxis>
+    static std::uint64_t copies(int count) {
+        constexpr std::array<std::uint64_t, 3> kCopies{0xF, 0x1111, 0x0001000100010001};
+        return kCopies[kAxis] & (~std::uint64_t(0) >> (64 - count * kStride[kAxis]));
+    }
+    /// The voxels of the box.
+    std::uint64_t all() const {
+        return copies<0>(box_.along(0).count()) * copies<1>(box_.along(1).count()) *
+               copies<2>(box_.along(2).count());
+    }
+    /// Four voxels one after the other: their indices and bits.
+    Lanes indicesAlong(std::size_t axis) const {
+        return allLanes(box_.along(axis).lo) + Lanes{0.0, 1.0, 2.0, 3.0};
+    }
+    template <std::size_t kAxis>
+    static BitLanes bitsAlong() {
+        constexpr int kStep = kStride[kAxis];
+        return BitLanes{1, 1L << kStep, 1L << 2 * kStep, 1L << 3 * kStep};
+    }
+    static std::uint64_t together(const BitLanes& bits) {
+        return static_cast<std::uint64_t>(bits[0] | bits[1] | bits[2] | bits[3]);
+    }
+    template <std::size_t kAxis>
+    std::uint64_t seenAlong(const std::array<Component, 3>& xyz) const;
+    std::uint64_t nearPlane(const std::array<Component, 3>& xyz, const Lanes& normal) const;
+
+    const Box& box_;
+    double pad_;
+};
+
+/// Voxels that the edges' conditions let pass, seen along an axis.
+template <std::size_t kAxis>
+std::uint64_t SmallBox::seenAlong(const std::array<Component, 3>& xyz) const {
+    constexpr std::size_t kU = (kAxis + 1) % 3;
+    constexpr std::size_t kV = (kAxis + 2) % 3;
+    if ((box_.longAxes | 1u << kAxis) != 7) return ~std::uint64_t(0); // the bounds decide
+    const EdgeAxes axes(xyz[kU], xyz[kV], pad_);
+    const Lanes us = indicesAlong(kU);
+    BitLanes bits = bitsAlong<kU>();
+    BitLanes met{};
+    for (int v = box_.along(kV).lo; v <= box_.along(kV).hi; ++v, bits <<= kStride[kV]) {
+        const Lanes others = axes.normalV * static_cast<double>(v);
+        BitLanes meets = bits;
+        for (int edge = 0; edge < 3; ++edge) {
+            const Lanes value = axes.normalU[edge] * us + others[edge];
+            meets &= (value >= axes.shadows.lo[edge]) & (value <= axes.shadows.hi[edge]);
+        }
+        met |= meets;
+    }
+    return together(met) * copies<kAxis>(kSide);
+}
+
+/// Voxels that the plane's condition lets pass.
+inline std::uint64_t SmallBox::nearPlane(const std::array<Component, 3>& xyz, const Lanes& normal) const {
+    const Shadows plane = planeShadows(xyz[0], xyz[1], xyz[2], {normal[0], normal[1], normal[2]}, pad_);
+    const Lanes alongX = normal[0] * indicesAlong(0);
+    const Indices boxY = box_.along(1);
+    const Indices boxZ = box_.along(2);
+    BitLanes met{};
+    BitLanes layer = bitsAlong<0>();
+    for (int z = boxZ.lo; z <= boxZ.hi; ++z, layer <<= kStride[2]) {
+        BitLanes bits = layer;
+        for (int y = boxY.lo; y <= boxY.hi; ++y, bits <<= kStride[1]) {
+            const Lanes value = alongX + (normal[1] * y + normal[2] * z);
+            met |= bits & (value >= plane.lo) & (value <= plane.hi);
+        }
+    }
+    return together(met);
+}
+
+inline std::uint64_t SmallBox::voxelsOf(const VoxelTriangle& t) const {
+    const std::array<Lanes, 3> corners = transposed(t);
+    const std::array<Component, 3> xyz{Component(corners[0]), Component(corners[1]), Component(corners[2])};
+    const std::uint64_t met = all() & seenAlong<0>(xyz) & seenAlong<1>(xyz) & seenAlong<2>(xyz);
+    return box_.longAxes == 7 ? met & nearPlane(xyz, normalOf(t)) : met;
+}
+
+/// A triangle's components and its box with the axes turned, so that a given one comes last, and how far
+/// apart in memory voxels are along them.
 struct Turned {
-    int u, v, w; ///< where the axes 0, 1 and 2 were
-    VoxelTriangle t;
-    std::array<Indices, 3> box;
+    Component u, v, w;
+    Indices boxU, boxV, boxW;
+    std::uint32_t strideU, strideV, strideW;
 
-    Turned(const VoxelTriangle& triangle, const std::array<Indices, 3>& indices, int last)
-        : u((last + 1) % 3), v((last + 2) % 3),
-          w(last), t{turn(triangle[0]), turn(triangle[1]), turn(triangle[2])},
-          box{indices[static_cast<std::size_t>(u)], indices[static_cast<std::size_t>(v)],
-              indices[static_cast<std::size_t>(w)]} {}
+    Turned(const std::array<Lanes, 3>& xyz, const Box& box, const std::array<std::uint32_t, 3>& strides,
+           std::size_t last)
+        : Turned(xyz, box, strides, (last + 1) % 3, (last + 2) % 3, last) {}
 
-    glm::dvec3 turn(const glm::dvec3& p) const { return {p[u], p[v], p[w]}; }
-    template <class Visit>
-    void visitIndex(int atU, int atV, int atW, Visit&& visit) const {
-        glm::uvec3 index;
-        index[u] = static_cast<unsigned>(atU);
-        index[v] = static_cast<unsigned>(atV);
-        index[w] = static_cast<unsigned>(atW);
-        visit(index);
-    }
+private:
+    Turned(const std::array<Lanes, 3>& xyz, const Box& box, const std::array<std::uint32_t, 3>& strides,
+           std::size_t i, std::size_t j, std::size_t k)
+        : u(xyz[i]), v(xyz[j]), w(xyz[k]), boxU(box.along(i)), boxV(box.along(j)), boxW(box.along(k)),
+          strideU(strides[i]), strideV(strides[j]), strideW(strides[k]) {}
 };
 
-/// The part of forEachVoxelOf() for triangles that one layer of voxels across axis 2 holds: in it the
-/// projections along that axis decide.
 template <class Visit>
-void visitLayer(const Turned& turned, double pad, Visit&& visit) {
-    const EdgeSlopes edges(turned.t, 0, 1, pad);
-    const auto& [boxU, boxV, boxW] = turned.box;
-    for (int atV = boxV.lo; atV <= boxV.hi; ++atV) {
-        Range columns = boxU;
-        edges.narrow(columns, atV);
-        if (columns.lo > columns.hi) continue;
-        const Indices whole = columns.whole();
-        for (int atU = whole.lo; atU <= whole.hi; ++atU) turned.visitIndex(atU, atV, boxW.lo, visit);
+void visitRow(std::uint32_t origin, const Indices& along, std::uint32_t stride, Visit&& visit) {
+    std::uint32_t index = origin + static_cast<std::uint32_t>(along.lo) * stride;
+    for (int i = along.lo; i <= along.hi; ++i, index += stride) visit(index);
+}
+
+/// The part of forEachVoxelOf() for triangles that one layer of voxels across w holds: in it the projections
+/// along that axis decide.
+template <class Visit>
+void visitLayer(const Turned& t, double pad, Visit&& visit) {
+    const RowSolver rows(t.u, t.v, t.boxU, pad);
+    const std::uint32_t layer = static_cast<std::uint32_t>(t.boxW.lo) * t.strideW;
+    for (int v = t.boxV.lo; v <= t.boxV.hi; ++v) {
+        const Range columns = rows.at(v);
+        if (columns.empty()) continue;
+        visitRow(layer + static_cast<std::uint32_t>(v) * t.strideV, columns.whole(), t.strideU, visit);
     }
 }
 
-/// The part of forEachVoxelOf() for triangles that no layer of voxels holds; they face axis 2. Each of the 13
+/// The part of forEachVoxelOf() for triangles that no layer of voxels holds; they face w. Each of the 13
 /// conditions is linear in the index, so they are solved for one axis after the other instead of being tried
 /// voxel by voxel: rows along v, columns (u, v) of a row, voxels along w of a column.
 template <class Visit>
-void visitOverlaps(const Turned& turned, const glm::dvec3& normal, double pad, Visit&& visit) {
-    const VoxelTriangle& t = turned.t;
-    const double d0 = glm::dot(normal, t[0]); // all three: a sliver's normal is mostly rounding
-    const double d1 = glm::dot(normal, t[1]);
-    const double d2 = glm::dot(normal, t[2]);
-    const Shadow plane(std::min({d0, d1, d2}), std::max({d0, d1, d2}), 0.5 * (normal.x + normal.y + normal.z),
-                       (0.5 + pad) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z)));
-    const Slope planeAlongW(normal.z, plane.lo, plane.hi);
-    const EdgeSlopes uv(t, 0, 1, pad);
-    const EdgeSlopes wv(t, 2, 1, pad);
-    const EdgeSlopes wu(t, 2, 0, pad);
-    const auto& [boxU, boxV, boxW] = turned.box;
-    for (int atV = boxV.lo; atV <= boxV.hi; ++atV) {
-        Range columns = boxU;
-        uv.narrow(columns, atV);
-        Range rowDepths = boxW;
-        wv.narrow(rowDepths, atV);
-        if (rowDepths.lo > rowDepths.hi || columns.lo > columns.hi) continue;
-        const Indices wholeColumns = columns.whole();
-        for (int atU = wholeColumns.lo; atU <= wholeColumns.hi; ++atU) {
-            Range depths = rowDepths;
-            planeAlongW.narrow(depths, normal.x * atU + normal.y * atV);
-            wu.narrow(depths, atU);
-            if (depths.lo > depths.hi) continue;
-            const Indices whole = depths.whole();
-            for (int atW = whole.lo; atW <= whole.hi; ++atW) turned.visitIndex(atU, atV, atW, visit);
+void visitOverlaps(const Turned& t, const glm::dvec3& normal, double pad, Visit&& visit) {
+    const RowSolver columnsOfRow(t.u, t.v, t.boxU, pad);
+    const RowSolver depthsOfRow(t.w, t.v, t.boxW, pad);
+    const ColumnSolver depthsOfColumn(t.u, t.v, t.w, normal, pad);
+    for (int v = t.boxV.lo; v <= t.boxV.hi; ++v) {
+        const Range columns = columnsOfRow.at(v);
+        const Range rowDepths = depthsOfRow.at(v);
+        if (columns.empty() || rowDepths.empty()) continue;
+        const Indices whole = columns.whole();
+        for (int u = whole.lo; u <= whole.hi; ++u) {
+            const Range depths = rowDepths.inBoth(depthsOfColumn.at(u, v));
+            if (depths.empty()) continue;
+            visitRow(static_cast<std::uint32_t>(u) * t.strideU + static_cast<std::uint32_t>(v) * t.strideV,
+                     depths.whole(), t.strideW, visit);
         }
     }
 }
 
 } // namespace voxelize
 
-/// Calls visit(glm::uvec3 index) once for each voxel of a grid of `dims` voxels whose cube, grown by `pad` on
-/// every side, meets the triangle. Exact but for rounding of about 1e-15 * dims voxels, which the pad
-/// swallows: a voxel that the triangle enters is never missed. Triangles may be degenerate (a segment, a
-/// point) but must be finite. Source: the separating axes of Akenine-Moller 2001, evaluated by columns as in
-/// Schwarz & Seidel 2010.
+/// forEachVoxelOf() where the triangle's box is known: to find those of several triangles first is quicker.
+template <class Visit>
+void forEachVoxelOf(const VoxelTriangle& triangle, const voxelize::Box& box, const glm::uvec3& dims,
+                    double pad, Visit&& visit) {
+    using namespace voxelize;
+    if (box.empty) return;
+    const std::array<std::uint32_t, 3> strides{1u, dims.x, dims.x * dims.y};
+    if (std::popcount(box.longAxes) >= 2 && SmallBox::holds(box)) {
+        const std::uint32_t first = static_cast<std::uint32_t>(box.along(2).lo) * strides[2] +
+                                    static_cast<std::uint32_t>(box.along(1).lo) * strides[1] +
+                                    static_cast<std::uint32_t>(box.along(0).lo);
+        for (std::uint64_t met = SmallBox(box, pad).voxelsOf(triangle); met != 0; met &= met - 1) {
+            const auto bit = static_cast<std::uint32_t>(std::countr_zero(met));
+            visit(first + (bit & 3) + (bit >> 2 & 3) * strides[1] + (bit >> 4) * strides[2]);
+        }
+        return;
+    }
+    switch (box.longAxes) {
+    case 7: {
+        const Lanes normal = normalOf(triangle);
+        const std::size_t last = longestComponent(normal);
+        const Turned turned(transposed(triangle), box, strides, last);
+        return visitOverlaps(turned, {normal[(last + 1) % 3], normal[(last + 2) % 3], normal[last]}, pad,
+                             visit);
+    }
+    case 3:
+    case 5:
+    case 6:
+        return visitLayer(Turned(transposed(triangle), box, strides,
+                                 static_cast<std::size_t>(std::countr_one(box.longAxes))),
+                          pad, visit);
+    default: // inside one row: every voxel between its ends
+        for (int z = box.along(2).lo; z <= box.along(2).hi; ++z)
+            for (int y = box.along(1).lo; y <= box.along(1).hi; ++y)
+                visitRow(static_cast<std::uint32_t>(z) * strides[2] + static_cast<std::uint32_t>(y) * dims.x,
+                         box.along(0), 1u, visit);
+    }
+}
+
+/// Calls visit(std::uint32_t index) once for each voxel of a grid of `dims` voxels, counted x fastest, whose
+/// cube, grown by `pad` on every side, meets the triangle. Exact but for rounding of about 1e-15 * dims
+/// voxels, which the pad swallows: a voxel that the triangle enters is never missed. Triangles may be
+/// degenerate (a segment, a point) but must be finite. Source: the separating axes of Akenine-Moller 2001,
+/// evaluated by columns as in Schwarz & Seidel 2010.
 template <class Visit>
 void forEachVoxelOf(const VoxelTriangle& triangle, const glm::uvec3& dims, double pad, Visit&& visit) {
-    using namespace voxelize;
-    std::array<Indices, 3> box;
-    int longAxes = 0;
-    int shortAxis = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-        const Indices whole = indicesAlong(triangle, axis, pad);
-        const bool isLong = whole.lo < whole.hi;
-        longAxes += isLong;
-        if (!isLong) shortAxis = axis;
-        box[axis] = {std::max(whole.lo, 0), std::min(whole.hi, static_cast<int>(dims[axis]) - 1)};
-        if (box[axis].lo > box[axis].hi) return;
-    }
-    if (longAxes == 3) {
-        const glm::dvec3 normal = glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
-        const Turned turned(triangle, box, longestComponent(normal));
-        return visitOverlaps(turned, turned.turn(normal), pad, visit);
-    }
-    if (longAxes == 2) return visitLayer(Turned(triangle, box, shortAxis), pad, visit);
-    for (int z = box[2].lo; z <= box[2].hi; ++z) // inside one row: every voxel between its ends
-        for (int y = box[1].lo; y <= box[1].hi; ++y)
-            for (int x = box[0].lo; x <= box[0].hi; ++x) visit(glm::uvec3(x, y, z));
+    forEachVoxelOf(triangle, voxelize::Box(triangle, dims, pad), dims, pad, visit);
 }
 
 } // namespace rt

@@ -126,15 +126,26 @@ bool isSoftwareRenderer(const std::string& renderer) {
     return false;
 }
 
+void compileOnAllCores() {
+    constexpr GLuint kAsManyThreadsAsItLikes = 0xFFFFFFFFu;
+    if (epoxy_has_gl_extension("GL_KHR_parallel_shader_compile"))
+        glMaxShaderCompilerThreadsKHR(kAsManyThreadsAsItLikes);
+    else if (epoxy_has_gl_extension("GL_ARB_parallel_shader_compile"))
+        glMaxShaderCompilerThreadsARB(kAsManyThreadsAsItLikes);
+}
+
 } // namespace
+
+void prepareGlEnvironment(int threads) {
+    setenv("EGL_LOG_LEVEL", "fatal", 0); // Mesa's remarks on devices that it cannot open
+    if (threads > 0) setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);
+}
 
 /// The devices of this machine, and how to open one.
 class GlDeviceList {
 public:
-    explicit GlDeviceList(int threads) {
+    GlDeviceList() {
         requireLibraries();
-        setenv("EGL_LOG_LEVEL", "fatal", 0); // Mesa's remarks on devices that it cannot open
-        if (threads > 0) setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);
         candidates_ = findCandidates();
     }
 
@@ -161,6 +172,7 @@ public:
         device.software = device.software || isSoftwareRenderer(device.renderer);
         opened->device_ = device;
         opened->limits_ = queryGlLimits(device.software);
+        compileOnAllCores();
         return opened;
     }
 
@@ -194,8 +206,8 @@ private:
     std::vector<EglCandidate> candidates_;
 };
 
-std::unique_ptr<GlContext> GlContext::open(const std::string& device, int threads) {
-    const GlDeviceList devices(threads);
+std::unique_ptr<GlContext> GlContext::open(const std::string& device) {
+    const GlDeviceList devices;
     std::string problems;
     std::unique_ptr<GlContext> context;
     if (device != "auto" && device != "software") {
@@ -228,7 +240,7 @@ GlContext::~GlContext() {
 }
 
 std::vector<GlDevice> listGlDevices() {
-    const GlDeviceList devices(0);
+    const GlDeviceList devices;
     std::vector<GlDevice> list(devices.size());
     for (std::size_t i = 0; i < list.size(); ++i) devices.tryOpen(i, list[i]);
     return list;

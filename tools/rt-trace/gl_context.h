@@ -17,13 +17,17 @@ struct GlDevice {
     std::string problem; ///< why it cannot be used; empty if it can
 };
 
+/// Sets what drivers read from the environment. To be called before GlContext::open() and listGlDevices(),
+/// while there are no other threads, which might read it too. `threads`: of software renderers; 0 = all.
+void prepareGlEnvironment(int threads);
+
 /// A current OpenGL 4.5 core context without a window. There is at most one at a time.
 class GlContext {
 public:
     /// `device`: "auto" (hardware first, in the order of the list, then software), "software", or an index of
-    /// listGlDevices(). `threads`: of software renderers; 0 = all.
+    /// listGlDevices().
     /// Throws Error{NoGpu} if none of them gives such a context.
-    static std::unique_ptr<GlContext> open(const std::string& device, int threads);
+    static std::unique_ptr<GlContext> open(const std::string& device);
 
     ~GlContext();
     GlContext(const GlContext&) = delete;

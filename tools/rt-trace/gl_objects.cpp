@@ -12,7 +12,7 @@ namespace rt {
 namespace {
 
 constexpr std::uint64_t kTransferBytes =
-    64u << 20; // of a texture at a time: drivers copy each piece, and count its bytes in 31 bits
+    64u << 20; // of a picture at a time: drivers copy each piece, and count its bytes in 31 bits
 
 GLsizei toSize(unsigned value) {
     return static_cast<GLsizei>(value);
@@ -50,18 +50,6 @@ GlBuffer createEmptyBuffer(std::uint64_t size, GLbitfield flags, const char* rem
     return buffer;
 }
 
-class Shader {
-public:
-    explicit Shader(GLenum stage) : name_(glCreateShader(stage)) {}
-    ~Shader() { glDeleteShader(name_); }
-    Shader(const Shader&) = delete;
-    Shader& operator=(const Shader&) = delete;
-    GLuint name() const { return name_; }
-
-private:
-    GLuint name_;
-};
-
 } // namespace
 
 void deleteBuffer(GlName name) {
@@ -75,6 +63,28 @@ void deleteProgram(GlName name) {
 }
 void deleteQuery(GlName name) {
     glDeleteQueries(1, &name);
+}
+
+void deleteShader(GlName name) {
+    glDeleteShader(name);
+}
+
+void GlFence::Delete::operator()(void* sync) const {
+    glDeleteSync(static_cast<GLsync>(sync));
+}
+
+GlFence GlFence::insert() {
+    GlFence fence;
+    fence.sync_.reset(glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0));
+    return fence;
+}
+
+void GlFence::wait() {
+    constexpr GLuint64 kNanoseconds = 1'000'000'000; // of one try
+    while (sync_ && glClientWaitSync(static_cast<GLsync>(sync_.get()), GL_SYNC_FLUSH_COMMANDS_BIT,
+                                     kNanoseconds) == GL_TIMEOUT_EXPIRED) {
+    }
+    sync_.reset();
 }
 
 void checkGl(const std::string& doing, const char* remedy) {
@@ -101,6 +111,15 @@ GlBuffer createOutputBuffer(std::uint64_t size, const char* remedy) {
 }
 GlBuffer createDynamicBuffer(std::uint64_t size, const char* remedy) {
     return createEmptyBuffer(size, GL_DYNAMIC_STORAGE_BIT, remedy);
+}
+
+GlBuffer createStagingBuffer(std::uint64_t size, std::byte*& mapped) {
+    constexpr GLbitfield kMapping = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
+    GlBuffer buffer = createEmptyBuffer(size, kMapping | GL_CLIENT_STORAGE_BIT, kSmallerAtlas);
+    mapped = static_cast<std::byte*>(
+        glMapNamedBufferRange(buffer.name(), 0, static_cast<GLsizeiptr>(size), kMapping));
+    checkGl(fmt::format("mapping a buffer of {} bytes", size));
+    return buffer;
 }
 
 void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes) {
@@ -134,20 +153,6 @@ GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned
     return texture;
 }
 
-void uploadTexels(const GlTexture& texture, unsigned width, unsigned height, unsigned depth, GlEnum format,
-                  GlEnum type, std::span<const std::uint32_t> texels) {
-    const std::uint64_t layer = std::uint64_t(width) * height;
-    const std::uint64_t most = std::max<std::uint64_t>(kTransferBytes / (layer * sizeof(std::uint32_t)), 1);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    for (unsigned z = 0; z < depth;) {
-        const auto layers = static_cast<unsigned>(std::min<std::uint64_t>(depth - z, most));
-        glTextureSubImage3D(texture.name(), 0, 0, 0, static_cast<GLint>(z), toSize(width), toSize(height),
-                            toSize(layers), format, type, texels.subspan(layer * z, layer * layers).data());
-        z += layers;
-    }
-    checkGl(fmt::format("uploading a texture of {}x{}x{}", width, height, depth));
-}
-
 void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
                 std::span<std::byte> texels) {
     glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
@@ -163,30 +168,38 @@ void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnu
     checkGl("reading a texture back");
 }
 
-GlProgram compileComputeProgram(const ShaderText& source) {
-    const Shader shader(GL_COMPUTE_SHADER);
-    const char* const text = source.text.c_str();
-    glShaderSource(shader.name(), 1, &text, nullptr);
-    glCompileShader(shader.name());
+// No status is asked for here: that would wait for the compiler.
+CompilingProgram::CompilingProgram(ShaderText source)
+    : source_(std::move(source)), shader_(glCreateShader(GL_COMPUTE_SHADER)), program_(glCreateProgram()) {
+    const char* const text = source_.text.c_str();
+    glShaderSource(shader_.name(), 1, &text, nullptr);
+    glCompileShader(shader_.name());
+    glAttachShader(program_.name(), shader_.name());
+    glLinkProgram(program_.name());
+}
+
+GlProgram CompilingProgram::finish() {
+    const std::string entry = source_.files.size() > 1 ? source_.files[1] : "shader";
     GLint ok = GL_FALSE;
-    glGetShaderiv(shader.name(), GL_COMPILE_STATUS, &ok);
-    const std::string entry = source.files.size() > 1 ? source.files[1] : "shader";
+    glGetShaderiv(shader_.name(), GL_COMPILE_STATUS, &ok);
     if (!ok)
-        throw Error(ErrorKind::Internal,
-                    fmt::format("{} does not compile: {}", entry,
-                                nameFiles(logOf(shader.name(), glGetShaderiv, glGetShaderInfoLog), source)));
-    GlProgram program(glCreateProgram());
-    glAttachShader(program.name(), shader.name());
-    glLinkProgram(program.name());
-    glDetachShader(program.name(), shader.name());
-    glGetProgramiv(program.name(), GL_LINK_STATUS, &ok);
+        throw Error(
+            ErrorKind::Internal,
+            fmt::format("{} does not compile: {}", entry,
+                        nameFiles(logOf(shader_.name(), glGetShaderiv, glGetShaderInfoLog), source_)));
+    glGetProgramiv(program_.name(), GL_LINK_STATUS, &ok);
     if (!ok)
         throw Error(
             ErrorKind::Internal,
             fmt::format("{} does not link: {}", entry,
-                        nameFiles(logOf(program.name(), glGetProgramiv, glGetProgramInfoLog), source)));
+                        nameFiles(logOf(program_.name(), glGetProgramiv, glGetProgramInfoLog), source_)));
+    glDetachShader(program_.name(), shader_.name());
     checkGl("compiling " + entry);
-    return program;
+    return std::move(program_);
+}
+
+GlProgram compileComputeProgram(const ShaderText& source) {
+    return CompilingProgram(source).finish();
 }
 
 } // namespace rt

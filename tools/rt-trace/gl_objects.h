@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -38,10 +39,26 @@ void deleteBuffer(GlName name);
 void deleteTexture(GlName name);
 void deleteProgram(GlName name);
 void deleteQuery(GlName name);
+void deleteShader(GlName name);
 using GlBuffer = GlObject<deleteBuffer>;
 using GlTexture = GlObject<deleteTexture>;
 using GlProgram = GlObject<deleteProgram>;
 using GlQuery = GlObject<deleteQuery>;
+using GlShader = GlObject<deleteShader>;
+
+/// A point in the stream of GL commands; none by default.
+class GlFence {
+public:
+    static GlFence insert();
+    /// Waits until the device has passed it, if there is one.
+    void wait();
+
+private:
+    struct Delete {
+        void operator()(void* sync) const;
+    };
+    std::unique_ptr<void, Delete> sync_; // GLsync
+};
 
 inline constexpr const char* kSmallerAtlas = "lower rt-grid's --resolution";
 
@@ -57,6 +74,9 @@ GlBuffer createBuffer(std::span<const std::byte> bytes);
 GlBuffer createOutputBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);
 /// A buffer of `size` bytes for updateBuffer() to change.
 GlBuffer createDynamicBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);
+/// A buffer near the host of which all stays mapped for writing, at `mapped`, without flushing. What is
+/// written there must not be changed before the commands that read it have passed a fence.
+GlBuffer createStagingBuffer(std::uint64_t size, std::byte*& mapped);
 void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes);
 void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
 
@@ -64,15 +84,24 @@ void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
 /// are for pictures.
 GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height);
 GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth);
-/// Fills a texture of 32-bit texels from the first layer on. `format` and `type` describe `texels` as GL
-/// does.
-void uploadTexels(const GlTexture& texture, unsigned width, unsigned height, unsigned depth, GlEnum format,
-                  GlEnum type, std::span<const std::uint32_t> texels);
 /// Reads a whole 2D texture, row by row from y = 0.
 void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
                 std::span<std::byte> texels);
 
-/// Compiles and links a compute shader. Throws Error{Internal} with the driver's log, files named.
-GlProgram compileComputeProgram(const ShaderText& shader);
+/// A compute shader that the driver may go on compiling, on threads of its own, while other commands follow.
+class CompilingProgram {
+public:
+    explicit CompilingProgram(ShaderText source);
+    /// Waits for it; to be called once. Throws Error{Internal} with the driver's log, files named.
+    GlProgram finish();
+
+private:
+    ShaderText source_;
+    GlShader shader_;
+    GlProgram program_;
+};
+
+/// Compiles and links a compute shader. Throws as CompilingProgram::finish() does.
+GlProgram compileComputeProgram(const ShaderText& source);
 
 } // namespace rt

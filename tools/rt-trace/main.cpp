@@ -25,6 +25,7 @@ void printDevices() {
 int body(int argc, const char* const* argv) {
     const std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
     if (!options) return 0;
+    rt::prepareGlEnvironment(options->common.threads);
     if (options->listDevices) {
         printDevices();
         return 0;

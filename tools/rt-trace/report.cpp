@@ -18,9 +18,9 @@ double mraysPerSecond(std::uint64_t rays, double elapsedMs) {
                            : std::numeric_limits<double>::quiet_NaN();
 }
 
-void reportCommon(nlohmann::json& report, const GlDevice& device, const AtlasFile& file,
-                  const SceneFeatures& features, const StageTimer& stages) {
-    const GridParams& grid = file.atlas.grid;
+void reportCommon(nlohmann::json& report, const GpuScene& scene, const StageTimer& stages) {
+    const GlDevice& device = scene.context->device();
+    const GridParams& grid = scene.file.atlas.grid;
     report["device"] = device.renderer;
     report["deviceInfo"] = {{"renderer", device.renderer},
                             {"version", device.version},
@@ -31,13 +31,12 @@ void reportCommon(nlohmann::json& report, const GlDevice& device, const AtlasFil
     report["atlas"] = {{"structure", structureName(grid.dims.w)},
                        {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
                        {"triangles", grid.counts.x},
-                       {"bytes", file.fileBytes}};
+                       {"bytes", scene.file.fileBytes}};
     report["features"] = nlohmann::json::array();
     for (const FeatureRow& row : featureTable())
         report["features"].push_back(
-            {{"macro", row.macro}, {"value", features.*row.field}, {"reason", row.reason}});
-    for (const auto& [stage, ms] : stages.stagesMs()) // a stage may run once per batch of rays
-        report[stage + "Ms"] = report.value(stage + "Ms", 0.0) + ms;
+            {{"macro", row.macro}, {"value", scene.plan.features.*row.field}, {"reason", row.reason}});
+    for (const auto& [stage, ms] : stages.stagesMs()) report[stage + "Ms"] = ms;
     report["peakMemoryBytes"] = peakMemoryBytes();
 }
 

@@ -1,10 +1,8 @@
 #pragma once
 #include "common/stage_timer.h"
-#include "formats/atlas_file.h"
 #include "tools/rt-trace/camera.h"
-#include "tools/rt-trace/gl_context.h"
+#include "tools/rt-trace/load_scene.h"
 #include "tools/rt-trace/render.h"
-#include "tools/rt-trace/scene_features.h"
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -13,8 +11,7 @@ namespace rt {
 
 /// Adds what pictures and ray queries have in common: the device, the atlas, the features with their reasons,
 /// and `loadMs`, `uploadMs`, ... for each stage.
-void reportCommon(nlohmann::json& report, const GlDevice& device, const AtlasFile& file,
-                  const SceneFeatures& features, const StageTimer& stages);
+void reportCommon(nlohmann::json& report, const GpuScene& scene, const StageTimer& stages);
 
 /// Adds raysTotal, stepsPerRay, testsPerRay and mraysPerSecond, of work that took `gpuMs`.
 void reportWork(nlohmann::json& report, const WorkTotals& work, double gpuMs);

@@ -29,7 +29,8 @@ std::span<const FeatureRow> featureTable() {
 
 SceneFeatures renderFeatures(const Atlas& atlas, unsigned maxDepth, std::size_t lightCount) {
     std::vector<bool> used(atlas.materials.size());
-    for (const glm::uvec4& triangle : atlas.triangleVertices) used[triangle.w] = true;
+    for (const glm::uvec4& triangle : atlas.triangleVertices)
+        if (triangle.w < used.size()) used[triangle.w] = true; // the check of the file may still be running
     SceneFeatures features;
     features.structure = atlas.grid.dims.w;
     features.hasLights = lightCount > 0;

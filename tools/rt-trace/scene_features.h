@@ -32,7 +32,7 @@ struct FeatureRow {
 std::span<const FeatureRow> featureTable();
 
 /// Features of a picture. A material counts only if a triangle uses it; with `maxDepth` 0, surfaces neither
-/// reflect nor transmit.
+/// reflect nor transmit. Safe for an atlas of which only the sizes are validated.
 SceneFeatures renderFeatures(const Atlas& atlas, unsigned maxDepth, std::size_t lightCount);
 
 /// Features of ray queries, which do not shade.

@@ -139,7 +139,8 @@ std::string imageText(int unit, const char* format, const char* type, const char
 std::string queryText(const SceneFeatures& features) {
     std::string text = uniformText(RT_BINDING_QUERY, "QueryParams", "QueryBlock", "query") +
                        bufferText(RT_BUFFER_RAYS, "readonly", "QueryRay", "rays") +
-                       bufferText(RT_BUFFER_HITS, "writeonly", "QueryHit", "hits");
+                       bufferText(RT_BUFFER_HITS, "writeonly",
+                                  features.doublePrecision ? "QueryHitDouble" : "QueryHit", "hits");
     if (features.scatteredRays)
         text += fmt::format("layout(std430, binding = {}) restrict buffer QueueBlock {{ uint nextRay; }};\n",
                             RT_BUFFER_QUEUE);

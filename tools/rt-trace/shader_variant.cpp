@@ -28,8 +28,12 @@ ShaderText variantText(const ResourcePlan& plan) {
     return variantText(plan, render ? "shaders/render.comp.glsl" : "shaders/query.comp.glsl", embeddedShader);
 }
 
+CompilingProgram startVariant(const ResourcePlan& plan) {
+    return CompilingProgram(variantText(plan));
+}
+
 GlProgram compileVariant(const ResourcePlan& plan) {
-    return compileComputeProgram(variantText(plan));
+    return startVariant(plan).finish();
 }
 
 } // namespace rt

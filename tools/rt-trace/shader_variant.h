@@ -14,6 +14,8 @@ ShaderText variantText(const ResourcePlan& plan);
 /// As variantText() with an entry shader that `find` knows.
 ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find);
 
+/// Starts to compile variantText(plan).
+CompilingProgram startVariant(const ResourcePlan& plan);
 /// Compiles variantText(plan). Throws as compileComputeProgram() does.
 GlProgram compileVariant(const ResourcePlan& plan);
 

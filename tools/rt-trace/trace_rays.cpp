@@ -3,6 +3,7 @@
 #include "common/error.h"
 #include "common/json_file.h"
 #include "common/log.h"
+#include "tools/rt-trace/load_scene.h"
 #include "tools/rt-trace/ray_order.h"
 #include "tools/rt-trace/ray_query.h"
 #include "tools/rt-trace/report.h"
@@ -29,7 +30,6 @@ std::span<const QueryRay> asRays(const SharedSpan<std::byte>& bytes, const std::
 }
 
 struct Traced {
-    SceneFeatures features;
     std::vector<QueryHit> hits;
     std::vector<double> passesMs; ///< of all rays; sorted
     std::optional<WorkTotals> work;
@@ -54,8 +54,8 @@ std::vector<double> timedPasses(const GpuRays& rays, const GlProgram& program, b
 }
 
 struct QueryPrograms {
-    GlProgram timed;
-    std::optional<GlProgram> counting;
+    const GlProgram& timed;
+    const std::optional<GlProgram>& counting;
 };
 
 // Streams the rays through the device. A pass over all rays takes as long as that pass over each batch.
@@ -91,39 +91,33 @@ SceneFeatures featuresFor(const TraceOptions& options, const Atlas& atlas, std::
                                  ? limits.subgroups && areScattered(rays, atlas.grid)
                                  : options.rayOrder == RayOrder::Scattered;
     features.subgroups = features.scatteredRays && limits.subgroups;
+    features.countWork = options.stats;
     return features;
 }
 
-Traced trace(const TraceOptions& options, const Atlas& atlas, std::span<const QueryRay> rays,
-             const GlContext& context, StageTimer& stages) {
-    const std::string& name = options.scenePath;
+Traced trace(const TraceOptions& options, const GpuScene& scene, std::span<const QueryRay> rays,
+             StageTimer& stages) {
+    const GlContext& context = *scene.context;
+    ResourcePlan counting = scene.plan;
+    counting.features.countWork = options.stats;
     stages.begin("upload");
-    SceneFeatures features = featuresFor(options, atlas, rays, context.limits());
-    features.countWork = options.stats;
-    ResourcePlan plan = planResources(atlas, features, ShaderKind::Query, context.limits().resources, name);
-    const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, name);
-    GpuRays gpuRays(rays.size(), features, context.limits());
-    gpuAtlas.bind();
-    plan.features.countWork = 0;
+    GpuRays gpuRays(rays.size(), counting.features, context.limits());
+    scene.atlas.bind();
     stages.begin("compile");
-    QueryPrograms programs{compileVariant(plan), std::nullopt};
-    gpuRays.finishCompiling(programs.timed);
+    gpuRays.finishCompiling(scene.program);
     stages.end();
-    const SceneFeatures timed = plan.features;
-    if (options.stats) {
-        plan.features.countWork = 1;
-        programs.counting = compileVariant(plan);
-    }
-    Traced traced = traceBatches(rays, gpuRays, programs, options.repeat, context.device().software, stages);
-    traced.features = timed;
-    return traced;
+    stages.add("firstDispatch", programMs());
+    std::optional<GlProgram> countingProgram;
+    if (options.stats) countingProgram = compileVariant(counting);
+    return traceBatches(rays, gpuRays, {scene.program, countingProgram}, options.repeat,
+                        context.device().software, stages);
 }
 
-void writeReport(const TraceOptions& options, const AtlasFile& file, const GlDevice& device,
-                 const Traced& traced, const StageTimer& stages) {
+void writeReport(const TraceOptions& options, const GpuScene& scene, const Traced& traced,
+                 const StageTimer& stages) {
     if (options.common.jsonPath.empty()) return;
     nlohmann::json report;
-    reportCommon(report, device, file, traced.features, stages);
+    reportCommon(report, scene, stages);
     report["rays"] = traced.hits.size();
     report["hits"] = traced.hitCount();
     report["anyHit"] = options.anyHit;
@@ -143,20 +137,22 @@ void writeReport(const TraceOptions& options, const AtlasFile& file, const GlDev
 
 void traceRays(const TraceOptions& options) {
     StageTimer stages;
-    stages.begin("load");
-    const AtlasFile file = readAtlas(options.scenePath);
-    const SharedSpan<std::byte> rayBytes = readFile(options.raysPath);
-    const std::span<const QueryRay> rays = asRays(rayBytes, options.raysPath);
-    stages.end();
-    const std::unique_ptr<GlContext> context = GlContext::open(options.device, options.common.threads);
-    const Traced traced = trace(options, file.atlas, rays, *context, stages);
+    SharedSpan<std::byte> rayBytes;
+    std::span<const QueryRay> rays;
+    const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
+        rayBytes = readFile(options.raysPath);
+        rays = asRays(rayBytes, options.raysPath);
+        return {featuresFor(options, atlas, rays, limits)};
+    };
+    const GpuScene scene = loadScene(options, ShaderKind::Query, choose, stages);
+    const Traced traced = trace(options, scene, rays, stages);
     stages.begin("write");
     writeFile(options.outputPaths[0], std::as_bytes(std::span(traced.hits)));
     stages.end();
     logInfo(fmt::format("{} rays, {} hits, {:.3f} ms, {:.1f} Mrays/s", rays.size(), traced.hitCount(),
                         traced.medianMs(), mraysPerSecond(rays.size(), traced.medianMs())));
     logStages(stages);
-    writeReport(options, file, context->device(), traced, stages);
+    writeReport(options, scene, traced, stages);
 }
 
 } // namespace rt

@@ -3,6 +3,7 @@
 #include "common/binary_io.h"
 #include "common/json_file.h"
 #include "common/log.h"
+#include "tools/rt-trace/load_scene.h"
 #include "tools/rt-trace/render_image.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/shader_variant.h"
@@ -38,37 +39,45 @@ WorkTotals countRenderWork(const TraceOptions& options, ResourcePlan plan, const
     return sumWork(film.readCounters());
 }
 
+/// Where the picture is taken from, and in which light.
+struct Scenery {
+    CameraPose pose;
+    CameraParams camera;
+    std::vector<AtlasLight> lights;
+};
+
+Scenery chooseScenery(const TraceOptions& options, const Atlas& atlas) {
+    const BoundsD bounds = sceneBounds(atlas.info);
+    const double aspect = double(options.size.x) / options.size.y;
+    const CameraPose pose = placeCamera(options.camera, bounds, aspect);
+    return {pose, cameraParams(options, pose, aspect, atlas.grid),
+            chooseLights(options.lights, atlas, bounds, pose)};
+}
+
 struct Rendered {
     FilmPixels pixels;
-    SceneFeatures features;
     double gpuMs = 0.0;
     std::optional<WorkTotals> work;
 };
 
-Rendered render(const TraceOptions& options, const Atlas& atlas, const CameraParams& camera,
-                const std::vector<AtlasLight>& lights, const GlContext& context, StageTimer& stages) {
-    const std::string& name = options.scenePath;
-    stages.begin("upload");
-    const ResourcePlan plan = planResources(atlas, renderFeatures(atlas, options.maxDepth, lights.size()),
-                                            ShaderKind::Render, context.limits().resources, name);
+Rendered render(const TraceOptions& options, const GpuScene& scene, const Scenery& scenery,
+                StageTimer& stages) {
+    const GlContext& context = *scene.context;
     const Film film(options.size, false, context.limits());
-    const GpuAtlas gpuAtlas =
-        uploadAtlas(atlas, plan, context.limits(), static_cast<unsigned>(lights.size()), name);
-    const GpuView view(camera, lights);
-    gpuAtlas.bind();
+    const GpuView view(scenery.camera, scenery.lights);
+    scene.atlas.bind();
     view.bind();
     film.bind();
     stages.begin("compile");
-    const GlProgram program = compileVariant(plan);
-    finishCompiling(program, view);
+    finishCompiling(scene.program, view);
     stages.end();
+    stages.add("firstDispatch", programMs());
     Rendered rendered;
-    rendered.features = plan.features;
-    rendered.gpuMs = renderRows(program, view, context);
+    rendered.gpuMs = renderRows(scene.program, view, context);
     stages.begin("readback");
     rendered.pixels = film.read();
     stages.end();
-    if (options.stats) rendered.work = countRenderWork(options, plan, context, view);
+    if (options.stats) rendered.work = countRenderWork(options, scene.plan, context, view);
     return rendered;
 }
 
@@ -102,11 +111,11 @@ void logFigures(const TraceOptions& options, const Rendered& rendered) {
     logInfo(figures);
 }
 
-void writeReport(const TraceOptions& options, const AtlasFile& file, const GlDevice& device,
-                 const CameraPose& pose, const Rendered& rendered, const StageTimer& stages) {
+void writeReport(const TraceOptions& options, const GpuScene& scene, const CameraPose& pose,
+                 const Rendered& rendered, const StageTimer& stages) {
     if (options.common.jsonPath.empty()) return;
     nlohmann::json report;
-    reportCommon(report, device, file, rendered.features, stages);
+    reportCommon(report, scene, stages);
     reportCamera(report, pose);
     report["width"] = options.size.x;
     report["height"] = options.size.y;
@@ -119,26 +128,24 @@ void writeReport(const TraceOptions& options, const AtlasFile& file, const GlDev
 
 void traceScene(const TraceOptions& options) {
     StageTimer stages;
-    stages.begin("load");
-    const AtlasFile file = readAtlas(options.scenePath);
-    stages.end();
-    const Atlas& atlas = file.atlas;
-    const BoundsD bounds = sceneBounds(atlas.info);
-    const double aspect = double(options.size.x) / options.size.y;
-    const CameraPose pose = placeCamera(options.camera, bounds, aspect);
-    const std::unique_ptr<GlContext> context = GlContext::open(options.device, options.common.threads);
-    const Rendered rendered = render(options, atlas, cameraParams(options, pose, aspect, atlas.grid),
-                                     chooseLights(options.lights, atlas, bounds, pose), *context, stages);
+    Scenery scenery;
+    const auto choose = [&](const Atlas& atlas, const GlLimits&) -> SceneNeeds {
+        scenery = chooseScenery(options, atlas);
+        return {renderFeatures(atlas, options.maxDepth, scenery.lights.size()),
+                static_cast<unsigned>(scenery.lights.size())};
+    };
+    const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
+    const Rendered rendered = render(options, scene, scenery, stages);
     warnOfNonFinite(options, rendered.pixels);
-    RenderRecord record{pose, atlas.info.meshHash, file.contentHash, context->device().renderer,
-                        std::nullopt};
+    RenderRecord record{scenery.pose, scene.file.atlas.info.meshHash, scene.file.contentHash,
+                        scene.context->device().renderer, std::nullopt};
     if (!options.reproducible) record.renderTimeSeconds = rendered.gpuMs * 1e-3;
     stages.begin("write");
     writeImages(options.outputPaths, toImage(options.size, rendered.pixels, record));
     stages.end();
     logFigures(options, rendered);
     logStages(stages);
-    writeReport(options, file, context->device(), pose, rendered, stages);
+    writeReport(options, scene, scenery.pose, rendered, stages);
 }
 
 } // namespace rt

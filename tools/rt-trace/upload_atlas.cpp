@@ -11,17 +11,17 @@
 namespace rt {
 namespace {
 
-GlTexture uploadSlab(const Atlas& atlas, const VoxelSlabs& voxels, unsigned slab) {
+GlTexture uploadSlab(UploadRing& ring, const Atlas& atlas, const VoxelSlabs& voxels, unsigned slab) {
     const glm::uvec3 dims(voxels.dims.x, voxels.dims.y, voxels.layers(slab));
     GlTexture texture = createTexture3D(GL_TEXTURE_3D, GL_R32UI, dims.x, dims.y, dims.z);
     const std::size_t layer = std::size_t(dims.x) * dims.y;
-    uploadTexels(texture, dims.x, dims.y, dims.z, GL_RED_INTEGER, GL_UNSIGNED_INT,
-                 atlas.voxels.subspan(voxels.firstLayer(slab) * layer, dims.z * layer));
+    ring.fillTexture(texture, dims, GL_RED_INTEGER, GL_UNSIGNED_INT,
+                     atlas.voxels.subspan(voxels.firstLayer(slab) * layer, dims.z * layer));
     return texture;
 }
 
 // A variant may have textures without the scene having any; it then needs something to bind.
-GlTexture uploadPages(const Atlas& atlas, const GlLimits& limits, const std::string& name) {
+GlTexture uploadPages(UploadRing& ring, const Atlas& atlas, const GlLimits& limits, const std::string& name) {
     const AtlasInfo& info = atlas.info;
     if (info.pageWidth > limits.textureSize2D || info.pageHeight > limits.textureSize2D ||
         info.pageCount > limits.arrayLayers)
@@ -41,29 +41,31 @@ GlTexture uploadPages(const Atlas& atlas, const GlLimits& limits, const std::str
     const unsigned height = std::max(info.pageHeight, 1u);
     GlTexture texture =
         createTexture3D(GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8, width, height, std::max(info.pageCount, 1u));
-    uploadTexels(texture, width, height, info.pageCount, GL_RGBA, GL_UNSIGNED_BYTE, atlas.pages);
+    ring.fillTexture(texture, {width, height, info.pageCount}, GL_RGBA, GL_UNSIGNED_BYTE, atlas.pages);
     return texture;
 }
 
 } // namespace
 
 GpuAtlas uploadAtlas(const Atlas& atlas, const ResourcePlan& plan, const GlLimits& limits,
-                     unsigned lightCount, const std::string& name) {
+                     unsigned lightCount, const std::string& name, std::size_t pieceBytes) {
+    UploadRing ring(pieceBytes);
     GpuAtlas gpu;
     GridParams grid = atlas.grid;
     grid.counts.w = lightCount;
     gpu.grid_ = createBuffer(std::as_bytes(std::span(&grid, 1)));
     for (unsigned k = 0; k < plan.voxels.count; ++k)
-        gpu.textures_.emplace_back(RT_TEXTURE_FIRST_VOXELS + k, uploadSlab(atlas, plan.voxels, k));
+        gpu.textures_.emplace_back(RT_TEXTURE_FIRST_VOXELS + k, uploadSlab(ring, atlas, plan.voxels, k));
     for (const PagedArray& array : plan.arrays)
         for (unsigned k = 0; k < array.pageCount; ++k)
-            gpu.buffers_.emplace_back(array.firstBinding + k, createBuffer(array.page(k)));
-    if (plan.kind == ShaderKind::Query) return gpu;
-    gpu.buffers_.emplace_back(RT_BUFFER_MATERIALS, createBuffer(bytesOf<Material>(atlas.materials)));
+            gpu.buffers_.emplace_back(array.firstBinding + k, ring.createBuffer(array.page(k)));
+    if (plan.kind == ShaderKind::Render)
+        gpu.buffers_.emplace_back(RT_BUFFER_MATERIALS, ring.createBuffer(bytesOf<Material>(atlas.materials)));
     if (plan.features.hasTextures) {
-        gpu.buffers_.emplace_back(RT_BUFFER_IMAGES, createBuffer(bytesOf<ImagePlace>(atlas.images)));
-        gpu.textures_.emplace_back(RT_TEXTURE_PAGES, uploadPages(atlas, limits, name));
+        gpu.buffers_.emplace_back(RT_BUFFER_IMAGES, ring.createBuffer(bytesOf<ImagePlace>(atlas.images)));
+        gpu.textures_.emplace_back(RT_TEXTURE_PAGES, uploadPages(ring, atlas, limits, name));
     }
+    ring.finish();
     return gpu;
 }
 

@@ -1,0 +1,50 @@
+#include "tools/rt-trace/load_scene.h"
+
+#include "formats/parallel_check.h"
+#include "tools/rt-trace/shader_variant.h"
+
+namespace rt {
+namespace {
+
+GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, ShaderKind kind,
+                       const ChooseNeeds& choose, StageTimer& stages) {
+    const std::string& name = options.scenePath;
+    validateSizes(file.atlas, name);
+    GpuScene scene;
+    scene.file = file;
+    stages.begin("context");
+    scene.context = GlContext::open(options.device);
+    const GlLimits& limits = scene.context->limits();
+    stages.begin("plan");
+    const SceneNeeds needs = choose(file.atlas, limits);
+    scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
+    scene.plan.features.countWork = 0;
+    stages.begin("compile");
+    CompilingProgram program = startVariant(scene.plan);
+    stages.begin("upload");
+    scene.atlas = uploadAtlas(file.atlas, scene.plan, limits, needs.lightCount, name);
+    stages.begin("compile");
+    scene.program = program.finish();
+    stages.begin("wait");
+    return scene;
+}
+
+} // namespace
+
+GpuScene loadScene(const TraceOptions& options, ShaderKind kind, const ChooseNeeds& choose,
+                   StageTimer& stages) {
+    const double startMs = programMs();
+    const MappedAtlas mapped(options.scenePath);
+    double endMs = startMs;
+    const auto verify = [&] {
+        mapped.verify();
+        endMs = programMs();
+    };
+    GpuScene scene = whileChecking(
+        verify, [&] { return bringToDevice(mapped.unverified(), options, kind, choose, stages); });
+    stages.end();
+    stages.add("load", endMs - startMs);
+    return scene;
+}
+
+} // namespace rt
