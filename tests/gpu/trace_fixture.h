@@ -57,7 +57,7 @@ inline std::vector<QueryHit> traceVariant(const GlContext& context, const Atlas&
         const std::size_t count = std::min<std::size_t>(gpuRays.batchSize(), rays.size() - first);
         gpuRays.upload(std::span(rays).subspan(first, count));
         gpuRays.trace(program, 1, context.device().software);
-        gpuRays.readHits(std::span(hits).subspan(first, count));
+        gpuRays.readHits(std::as_writable_bytes(std::span(hits).subspan(first, count)));
     }
     return hits;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/atlas.h"
+#include "formats/gpu_interface.shared.h"
 
 #include <span>
 #include <string>
