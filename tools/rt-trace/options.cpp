@@ -192,7 +192,8 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
         ->capture_default_str();
     app.add_flag("--list-devices", options.listDevices, "Print the devices and which of them can be used");
     app.add_option("--precision", texts.precision,
-                   "Compute with 32 or 64 bits; double is slow, and the reference for errors of float. With --rays the "
+                   "Compute with 32 or 64 bits; double is slow, and the reference for errors of float. With "
+                   "--rays the "
                    "hits are then float64 t, u, v, uint32 triangle, uint32 0")
         ->check(CLI::IsMember({"float", "double"}))
         ->capture_default_str();

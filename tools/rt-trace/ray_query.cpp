@@ -28,8 +28,7 @@ void bindStorage(GLuint binding, const GlBuffer& buffer) {
 
 GpuRays::GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
                  std::uint64_t maxBatch)
-    : limits_(limits),
-      hitBytes_(features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit)) {
+    : limits_(limits), hitBytes_(features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit)) {
     const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
     const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
     batchSize_ = std::min({rayCount, kMostRays, perBuffer, perDispatch, maxBatch});

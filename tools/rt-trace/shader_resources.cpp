@@ -19,8 +19,12 @@ PagedArray arrayOf(const char* name, const char* type, const char* load, const S
 }
 
 PagedArray transformArray(const Atlas& atlas) {
-    const auto transforms = std::make_shared<std::vector<TriangleTransform>>(triangleTransforms(atlas.triangles));
-    return {"transforms", "TriangleTransform", "loadTransform", sizeof(TriangleTransform),
+    const auto transforms =
+        std::make_shared<std::vector<TriangleTransform>>(triangleTransforms(atlas.triangles));
+    return {"transforms",
+            "TriangleTransform",
+            "loadTransform",
+            sizeof(TriangleTransform),
             {bytesOf<TriangleTransform>(*transforms), transforms}};
 }
 

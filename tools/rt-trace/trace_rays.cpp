@@ -42,8 +42,8 @@ struct Traced {
     }
     std::size_t rayCount() const { return hits.size() / hitBytes; }
     std::size_t hitCount() const {
-        const std::size_t idOffset = hitBytes == sizeof(QueryHit) ? offsetof(QueryHit, tuvId.w)
-                                                                   : offsetof(QueryHitDouble, triangle);
+        const std::size_t idOffset =
+            hitBytes == sizeof(QueryHit) ? offsetof(QueryHit, tuvId.w) : offsetof(QueryHitDouble, triangle);
         std::size_t count = 0;
         for (std::size_t at = idOffset; at < hits.size(); at += hitBytes) {
             std::uint32_t triangle;

@@ -7,9 +7,10 @@
 
 namespace rt {
 
-/// Baldwin & Weber 2016: for each triangle the affine map that takes its plane to z = 0 and its corners to (0,0), (1,0) and
-/// (0,1). Of the maps that do, the one that leaves out the axis along which the normal is longest: one
-/// column of each row is then 0 or 1. Computed in double, rounded to float. Not finite for triangles without an area.
+/// Baldwin & Weber 2016: for each triangle the affine map that takes its plane to z = 0 and its corners to
+/// (0,0), (1,0) and (0,1). Of the maps that do, the one that leaves out the axis along which the normal is
+/// longest: one column of each row is then 0 or 1. Computed in double, rounded to float. Not finite for
+/// triangles without an area.
 std::vector<TriangleTransform> triangleTransforms(std::span<const TriangleRecord> triangles);
 
 } // namespace rt
