@@ -32,6 +32,11 @@ RT_SHARED_BEGIN
 
 RT_SHARED_CONST uint kNoTriangle = 0xFFFFFFFFu;
 
+// Triangle tests.
+RT_SHARED_CONST uint kIntersectWatertight = 0u;     // Woop, Benthin & Wald 2013
+RT_SHARED_CONST uint kIntersectMollerTrumbore = 1u; // 1997
+RT_SHARED_CONST uint kIntersectBaldwinWeber = 2u;   // 2016
+
 // Invocations take scattered rays from a queue until it is empty: so many each, on average. Few enough that
 // all lanes of a device have work, many enough that they get some more when they are done.
 RT_SHARED_CONST uint kRaysPerLane = 4u;
@@ -68,12 +73,26 @@ struct QueryHit {
     uvec4 tuvId; // float bits of t (world; -1 = miss), u, v; triangle index or kNoTriangle
 };
 
+// Rows of the affine map that takes a triangle's plane to z = 0 and its corners to (0,0), (1,0) and (0,1).
+struct TriangleTransform {
+    vec4 u;
+    vec4 v;
+    vec4 plane;
+};
+
+struct QueryHitDouble {
+    double t, u, v; // world; t = -1: miss
+    uint triangle;  // index or kNoTriangle
+    uint zero;
+};
+
 RT_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(rt::CameraParams) == 112 && sizeof(rt::QueryParams) == 16);
 static_assert(sizeof(rt::AtlasLight) == 32 && offsetof(rt::AtlasLight, intensityAtlas) == 16);
 static_assert(sizeof(rt::QueryRay) == 32 && sizeof(rt::QueryHit) == 16);
+static_assert(sizeof(rt::QueryHitDouble) == 32 && offsetof(rt::QueryHitDouble, triangle) == 24);
 static_assert(offsetof(rt::CameraParams, size) == 96 && offsetof(rt::QueryRay, directionTmax) == 16);
 #endif
 #endif

@@ -3,6 +3,12 @@
 #ifndef RT_STRUCTURE
 #error "RT_STRUCTURE is not defined"
 #endif
+#ifndef RT_DOUBLE
+#error "RT_DOUBLE is not defined"
+#endif
+#ifndef RT_INTERSECT
+#error "RT_INTERSECT is not defined"
+#endif
 #ifndef RT_ANY_HIT
 #error "RT_ANY_HIT is not defined"
 #endif
@@ -35,6 +41,8 @@
 #endif
 
 const uint kStructure = uint(RT_STRUCTURE);
+const bool kDouble = RT_DOUBLE != 0;
+const uint kIntersect = uint(RT_INTERSECT);
 const bool kAnyHit = RT_ANY_HIT != 0;
 const bool kScatteredRays = RT_SCATTERED_RAYS != 0;
 const bool kSubgroups = RT_SUBGROUPS != 0;

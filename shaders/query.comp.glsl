@@ -5,6 +5,7 @@
 #include "formats/gpu_interface.shared.h"
 #include "shaders/features.glsl"
 #include "shaders/resources.glsl"
+#include "shaders/real.glsl"
 #include "shaders/ray.glsl"
 #include "shaders/intersect.glsl"
 #include "shaders/traverse.glsl"
@@ -29,20 +30,28 @@ int scaleExponent(vec3 direction) {
 
 // World to atlas space, and the direction to about unit size; both by powers of two, so nothing is rounded but the
 // origin's offset. World t = atlas t * tScale.
-Ray toAtlas(QueryRay query, out float tScale) {
+Ray toAtlas(QueryRay query, out real tScale) {
     int exponent = scaleExponent(query.directionTmax.xyz);
-    float directionScale = powerOfTwo(clamp(-exponent, -126, 127));
+    real directionScale = powerOfTwo(clamp(-exponent, -126, 127));
     tScale = directionScale / grid.worldOffset.w;
-    vec3 origin = (query.originTmin.xyz - grid.worldOffset.xyz) * grid.worldOffset.w;
-    return Ray(origin, query.directionTmax.xyz * directionScale, max(query.originTmin.w, 0.0f) / tScale, min(query.directionTmax.w / tScale, 3.4e38f));
+    real3 origin = (real3(query.originTmin.xyz) - grid.worldOffset.xyz) * grid.worldOffset.w;
+    return Ray(origin, query.directionTmax.xyz * directionScale, max(query.originTmin.w, 0.0f) / tScale, min(query.directionTmax.w / tScale, real(3.4e38f)));
 }
-
-const QueryHit kMiss = QueryHit(uvec4(0xBF800000u, 0u, 0u, kNoTriangle)); // t = -1
 
 // t: of the hit, in world space.
-QueryHit record(float t, Hit hit) {
+#if RT_DOUBLE
+#define HitRecord QueryHitDouble
+const HitRecord kMiss = QueryHitDouble(-1.0LF, 0.0LF, 0.0LF, kNoTriangle, 0u);
+HitRecord record(real t, Hit hit) {
+    return QueryHitDouble(t, hit.u, hit.v, hit.triangle, 0u);
+}
+#else
+#define HitRecord QueryHit
+const HitRecord kMiss = QueryHit(uvec4(0xBF800000u, 0u, 0u, kNoTriangle)); // t = -1
+HitRecord record(real t, Hit hit) {
     return QueryHit(uvec4(floatBitsToUint(vec3(t, hit.u, hit.v)), hit.triangle));
 }
+#endif
 
 void count(uint index, WorkCounters work) {
 #if RT_COUNT_WORK
@@ -69,8 +78,8 @@ uint takeRay() {
 
 void main() {
     uint index = query.count.x; // of the ray that walks; none yet
-    float tScale;
-    float tEnter;
+    real tScale;
+    real tEnter;
     Walk w;
     w.walking = false;
     w.entryAt = 0u;
@@ -102,11 +111,11 @@ void main() {
 void main() {
     uint index = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(RT_GROUP_X) + gl_LocalInvocationID.x;
     if (index >= query.count.x) return;
-    QueryHit result = kMiss;
+    HitRecord result = kMiss;
     WorkCounters work = WorkCounters(0u, 0u, 0u);
     QueryRay next = rays[index];
     if (isTraceable(next)) {
-        float tScale;
+        real tScale;
         Hit hit = trace(toAtlas(next, tScale), kAnyHit, work);
         if (hit.triangle != kNoTriangle) result = record(hit.t * tScale, hit);
     }

@@ -6,6 +6,7 @@
 #include "formats/gpu_interface.shared.h"
 #include "shaders/features.glsl"
 #include "shaders/resources.glsl"
+#include "shaders/real.glsl"
 #include "shaders/ray.glsl"
 #include "shaders/intersect.glsl"
 #include "shaders/traverse.glsl"
@@ -14,10 +15,10 @@
 
 layout(local_size_x = RT_GROUP_X, local_size_y = RT_GROUP_Y) in;
 
-const float kUnlimited = 1e30f;
+const real kUnlimited = 1e30f;
 
-vec3 pixelDirection(uvec2 pixel) {
-    vec2 ndc = 2.0f * (vec2(pixel) + 0.5f) / vec2(camera.size.xy) - 1.0f;
+real3 pixelDirection(uvec2 pixel) {
+    real2 ndc = 2.0f * (real2(pixel) + 0.5f) / real2(camera.size.xy) - 1.0f;
     return normalize(camera.forward.xyz + camera.right.xyz * ndc.x - camera.up.xyz * ndc.y);
 }
 
@@ -27,10 +28,10 @@ struct Pixel {
     uint id;
 };
 
-Pixel renderPixel(vec3 direction, inout WorkCounters work) {
+Pixel renderPixel(real3 direction, inout WorkCounters work) {
     Pixel pixel = Pixel(vec4(0.0f), vec4(0.0f), kNoTriangle);
     Pending stack[kStackSize];
-    stack[0] = Pending(camera.eye.xyz, direction, vec3(1.0f), 0u);
+    stack[0] = Pending(real3(camera.eye.xyz), direction, vec3(1.0f), 0u);
     for (uint stackCount = 1u; stackCount > 0u;) {
         Pending current = stack[--stackCount];
         Ray ray = Ray(current.origin, current.direction, 0.0f, kUnlimited);
@@ -41,8 +42,8 @@ Pixel renderPixel(vec3 direction, inout WorkCounters work) {
         }
         Surface s = surfaceAt(ray, hit);
         if (current.depth == 0u) {
-            float depthWorld = hit.t * dot(direction, camera.forward.xyz) / grid.worldOffset.w;
-            pixel.surface = vec4(s.normal, depthWorld);
+            real depthWorld = hit.t * dot(direction, real3(camera.forward.xyz)) / grid.worldOffset.w;
+            pixel.surface = vec4(vec3(s.normal), float(depthWorld));
             pixel.id = hit.triangle;
             pixel.color.a = 1.0f;
         }

@@ -5,14 +5,14 @@ const float kLeastWeight = 1e-3f; // rays whose light counts less than this in t
 // Radiance that one light sends through the surface to the eye; black if the light is hidden. Transmissive surfaces
 // hide it too.
 vec3 directLight(Surface s, AtlasLight light, inout WorkCounters work) {
-    vec3 toLight = light.positionAtlas.xyz - s.position;
-    float squaredDistance = dot(toLight, toLight);
-    float cosine = dot(s.normal, toLight) * inversesqrt(squaredDistance);
+    real3 toLight = light.positionAtlas.xyz - s.position;
+    real squaredDistance = dot(toLight, toLight);
+    real cosine = dot(s.normal, toLight) * inversesqrt(squaredDistance);
     if (!(cosine > 0.0f) || dot(s.geometricNormal, toLight) <= 0.0f) return vec3(0.0f);
-    vec3 origin = leaveSurface(s, toLight);
+    real3 origin = leaveSurface(s, toLight);
     Hit blocker = trace(Ray(origin, light.positionAtlas.xyz - origin, 0.0f, 1.0f), true, work);
     if (blocker.triangle != kNoTriangle) return vec3(0.0f);
-    return s.albedo * light.intensityAtlas.rgb * (cosine / (kPi * squaredDistance));
+    return s.albedo * light.intensityAtlas.rgb * float(cosine / (kPi * squaredDistance));
 }
 
 vec3 localLight(Surface s, inout WorkCounters work) {
@@ -29,8 +29,8 @@ vec3 localLight(Surface s, inout WorkCounters work) {
 
 // A ray that waits to be traced, and how much its light counts in the pixel.
 struct Pending {
-    vec3 origin;
-    vec3 direction;
+    real3 origin;
+    real3 direction;
     vec3 weight;
     uint depth;
 };
@@ -43,8 +43,8 @@ bool counts(vec3 weight) {
 }
 
 // The mirrored ray must stay on the surface's side even where the interpolated normal leans over.
-vec3 mirrored(vec3 direction, Surface s) {
-    vec3 r = reflect(direction, s.normal);
+real3 mirrored(real3 direction, Surface s) {
+    real3 r = reflect(direction, s.normal);
     return dot(r, s.geometricNormal) > 0.0f ? r : reflect(direction, s.geometricNormal);
 }
 
@@ -52,19 +52,19 @@ void pushChildren(Pending from, Surface s, inout Pending stack[kStackSize], inou
     if (from.depth >= kMaxDepth) return;
     vec3 reflectedWeight = from.weight * s.reflectivity;
     if (kHasTransmission && s.transmission > 0.0f) {
-        vec3 bent = refract(from.direction, s.normal, s.eta);
+        real3 bent = refract(from.direction, s.normal, real(s.eta));
         vec3 weight = from.weight * s.transmission;
         bool totalReflection = dot(bent, bent) == 0.0f;
         if (totalReflection) {
             reflectedWeight += weight;
         } else if (counts(weight * s.albedo)) {
             // The interpolated normal may bend a grazing ray back to its own side; it then goes straight on.
-            vec3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
+            real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
             stack[stackCount++] = Pending(leaveSurface(s, through), through, weight * s.albedo, from.depth + 1u);
         }
     }
     if ((kHasReflection || kHasTransmission) && counts(reflectedWeight)) {
-        vec3 mirror = mirrored(from.direction, s);
+        real3 mirror = mirrored(from.direction, s);
         stack[stackCount++] = Pending(leaveSurface(s, mirror), mirror, reflectedWeight, from.depth + 1u);
     }
 }

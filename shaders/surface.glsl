@@ -1,9 +1,9 @@
 // What a ray finds at a hit, in atlas space.
 struct Surface {
-    vec3 position;
-    vec3 positionError; // bound of the rounding error of each coordinate
-    vec3 geometricNormal; // unit, on the side that the ray came from
-    vec3 normal; // interpolated, unit, on that same side
+    real3 position;
+    real3 positionError; // bound of the rounding error of each coordinate
+    real3 geometricNormal; // unit, on the side that the ray came from
+    real3 normal; // interpolated, unit, on that same side
     vec3 albedo; // linear
     vec3 emission;
     float reflectivity;
@@ -52,18 +52,19 @@ vec3 imageColor(uint image, uvec4 vertices, vec3 weights) {
 }
 #endif
 
-vec3 interpolateNormal(uvec4 vertices, vec3 weights, vec3 fallback) {
-    vec3 n = weights.x * octDecode(loadNormal(vertices.x)) + weights.y * octDecode(loadNormal(vertices.y)) +
+real3 interpolateNormal(uvec4 vertices, real3 weights, real3 fallback) {
+    real3 n = weights.x * octDecode(loadNormal(vertices.x)) + weights.y * octDecode(loadNormal(vertices.y)) +
              weights.z * octDecode(loadNormal(vertices.z));
-    float squaredLength = dot(n, n);
+    real squaredLength = dot(n, n);
     return squaredLength > 1e-12f ? n * inversesqrt(squaredLength) : fallback;
 }
 
 // Unit normal; edges are scaled to unit size first, since the cross product of tiny ones would underflow. `fallback`
 // where the corners are in line as far as floats can tell.
-vec3 faceNormal(TriangleRecord triangle, vec3 fallback) {
-    vec3 n = cross(normalize(triangle.v1.xyz - triangle.v0.xyz), normalize(triangle.v2.xyz - triangle.v0.xyz));
-    float squaredLength = dot(n, n);
+real3 faceNormal(TriangleRecord triangle, real3 fallback) {
+    real3 v0 = real3(triangle.v0.xyz);
+    real3 n = cross(normalize(real3(triangle.v1.xyz) - v0), normalize(real3(triangle.v2.xyz) - v0));
+    real squaredLength = dot(n, n);
     return squaredLength > 0.0f ? n * inversesqrt(squaredLength) : normalize(fallback);
 }
 
@@ -71,21 +72,21 @@ Surface surfaceAt(Ray ray, Hit hit) {
     TriangleRecord triangle = loadTriangle(hit.triangle);
     uvec4 vertices = loadTriangleVertices(hit.triangle);
     Material material = materials[vertices.w];
-    vec3 weights = vec3(1.0f - hit.u - hit.v, hit.u, hit.v);
+    real3 weights = real3(1.0f - hit.u - hit.v, hit.u, hit.v);
+    real3 v0 = weights.x * real3(triangle.v0.xyz), v1 = weights.y * real3(triangle.v1.xyz), v2 = weights.z * real3(triangle.v2.xyz);
     Surface s;
     // From the weights, not along the ray: the error is then that of the triangle, however far the ray has come
     // (Pharr, Jakob & Humphreys 2016, section 3.9).
-    s.position = weights.x * triangle.v0.xyz + weights.y * triangle.v1.xyz + weights.z * triangle.v2.xyz;
-    s.positionError = gammaBound(7.0f) * (abs(weights.x * triangle.v0.xyz) + abs(weights.y * triangle.v1.xyz) +
-                                          abs(weights.z * triangle.v2.xyz));
-    vec3 outward = faceNormal(triangle, -ray.direction);
+    s.position = v0 + v1 + v2;
+    s.positionError = gammaBound(7.0f) * (abs(v0) + abs(v1) + abs(v2));
+    real3 outward = faceNormal(triangle, -ray.direction);
     bool entering = dot(outward, ray.direction) <= 0.0f;
     s.geometricNormal = entering ? outward : -outward;
     s.normal = interpolateNormal(vertices, weights, outward);
     // The file's normals say which side is meant to be seen; only their direction relative to the face counts here.
     if (dot(s.normal, s.geometricNormal) < 0.0f) s.normal = -s.normal;
     s.albedo = material.baseColor.rgb;
-    if (kHasTextures && material.images.x != kNoImage) s.albedo *= imageColor(material.images.x, vertices, weights);
+    if (kHasTextures && material.images.x != kNoImage) s.albedo *= imageColor(material.images.x, vertices, vec3(weights));
     s.emission = kHasEmission ? material.emission.rgb : vec3(0.0f);
     s.reflectivity = kHasReflection ? material.optics.x : 0.0f;
     s.transmission = kHasTransmission ? material.optics.y : 0.0f;
@@ -93,18 +94,17 @@ Surface surfaceAt(Ray ray, Hit hit) {
     return s;
 }
 
-// The next float up or down; near 0, where a triangle test would underflow, the next one of size 1e-20. Atlas space is
-// about unit size, so that is far below any rounding error.
-float nextFloat(float x, bool up) {
-    if (abs(x) < 1e-20f) return up ? 1e-20f : -1e-20f;
-    uint bits = floatBitsToUint(x);
-    return uintBitsToFloat((x > 0.0f) == up ? bits + 1u : bits - 1u);
+// A little more or less than x: at least the next number up or down; near 0, where a triangle test would underflow, 1e-20. Atlas
+// space is about unit size, so that is far below any rounding error.
+real nudged(real x, bool up) {
+    real amount = max(abs(x) * 2.0f * kRoundoff, real(1e-20f));
+    return up ? x + amount : x - amount;
 }
 
 // Where a ray in `direction` leaves the surface: outside the box in which the true hit lies (Pharr, Jakob & Humphreys
 // 2016, section 3.9.5), so that it cannot hit the same triangle again.
-vec3 leaveSurface(Surface s, vec3 direction) {
-    vec3 side = dot(direction, s.geometricNormal) >= 0.0f ? s.geometricNormal : -s.geometricNormal;
-    vec3 moved = s.position + side * dot(abs(side), s.positionError);
-    return vec3(nextFloat(moved.x, side.x >= 0.0f), nextFloat(moved.y, side.y >= 0.0f), nextFloat(moved.z, side.z >= 0.0f));
+real3 leaveSurface(Surface s, real3 direction) {
+    real3 side = dot(direction, s.geometricNormal) >= 0.0f ? s.geometricNormal : -s.geometricNormal;
+    real3 moved = s.position + side * dot(abs(side), s.positionError);
+    return real3(nudged(moved.x, side.x >= 0.0f), nudged(moved.y, side.y >= 0.0f), nudged(moved.z, side.z >= 0.0f));
 }

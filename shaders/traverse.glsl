@@ -1,36 +1,36 @@
 // Walks a ray through the voxel grid (Amanatides & Woo 1987), leaping over empty space as far as the voxel's proximity
 // value (Cohen & Sheffer 1994) or empty box allows, and into bricks of finer voxels. Numerics: shaders/README.md.
 
-const float kNever = 1e30f;
+const real kNever = 1e30f;
 
 // A ray in the grid. Coordinates count the finest voxels that there may be, and each axis along which the ray runs
 // backwards is turned round, so that all directions are >= 0: x' = size - x. position = origin + t * direction.
 struct GridRay {
-    vec3 origin;
-    vec3 direction;
-    vec3 inverse; // 1 / direction; kNever where the direction is 0
+    real3 origin;
+    real3 direction;
+    real3 inverse; // 1 / direction; kNever where the direction is 0
     ivec3 turned; // -1 where the axis is turned round, else 0
     ivec3 size; // of the grid
 };
 
 // Distance at which the ray enters the box [lo, hi] (x) and leaves it (y); x > y if it misses.
-vec2 boxSpan(Ray ray, vec3 lo, vec3 hi) {
-    bvec3 still = equal(ray.direction, vec3(0.0f));
-    vec3 inverse = 1.0f / ray.direction;
-    vec3 a = (lo - ray.origin) * inverse;
-    vec3 b = (hi - ray.origin) * inverse;
+real2 boxSpan(Ray ray, real3 lo, real3 hi) {
+    bvec3 still = equal(ray.direction, real3(0.0f));
+    real3 inverse = 1.0f / ray.direction;
+    real3 a = (lo - ray.origin) * inverse;
+    real3 b = (hi - ray.origin) * inverse;
     bvec3 outside = bvec3(uvec3(lessThan(ray.origin, lo)) | uvec3(greaterThan(ray.origin, hi)));
-    vec3 near = mix(min(a, b), mix(vec3(-kNever), vec3(kNever), outside), still);
-    vec3 far = mix(max(a, b), vec3(kNever), still);
-    return vec2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
+    real3 near = mix(min(a, b), mix(real3(-kNever), real3(kNever), outside), still);
+    real3 far = mix(max(a, b), real3(kNever), still);
+    return real2(max(near.x, max(near.y, near.z)), min(far.x, min(far.y, far.z)));
 }
 
 // A component that is nothing beside the largest one becomes 0: its inverse would overflow, and even from 10^9 scene
 // sizes away it cannot move the ray by a rounding error.
-vec3 withoutTinyComponents(vec3 direction) {
-    vec3 size = abs(direction);
-    float largest = max(size.x, max(size.y, size.z));
-    return mix(direction, vec3(0.0f), lessThan(size, vec3(largest * 1e-20f)));
+real3 withoutTinyComponents(real3 direction) {
+    real3 size = abs(direction);
+    real largest = max(size.x, max(size.y, size.z));
+    return mix(direction, real3(0.0f), lessThan(size, real3(largest * 1e-20f)));
 }
 
 // A voxel of the grid is 2^finestLevel() of the finest voxels wide.
@@ -42,24 +42,24 @@ int finestLevel() {
 // `base` is the ray moved to where it enters the grid.
 GridRay toGridRay(Ray base) {
     GridRay g;
-    float fine = powerOfTwo(finestLevel());
-    vec3 size = vec3(grid.dims.xyz) * fine;
-    vec3 origin = (base.origin - grid.gridLo.xyz) * (grid.cellsPerUnit.xyz * fine);
-    vec3 direction = base.direction * (grid.cellsPerUnit.xyz * fine);
-    bvec3 still = equal(direction, vec3(0.0f));
-    bvec3 backwards = lessThan(direction, vec3(0.0f));
+    real fine = powerOfTwo(finestLevel());
+    real3 size = real3(grid.dims.xyz) * fine;
+    real3 origin = (base.origin - grid.gridLo.xyz) * (grid.cellsPerUnit.xyz * fine);
+    real3 direction = base.direction * (grid.cellsPerUnit.xyz * fine);
+    bvec3 still = equal(direction, real3(0.0f));
+    bvec3 backwards = lessThan(direction, real3(0.0f));
     // A ray that runs inside a voxel face is kept in the middle of its voxels, where no exit plane is 0 away.
-    origin = mix(origin, floor(clamp(origin, vec3(0.0f), size - 1.0f)) + 0.5f, still);
+    origin = mix(origin, floor(clamp(origin, real3(0.0f), size - 1.0f)) + 0.5f, still);
     g.origin = mix(origin, size - origin, backwards);
     g.direction = abs(direction);
-    g.inverse = mix(1.0f / g.direction, vec3(kNever), still);
+    g.inverse = mix(1.0f / g.direction, real3(kNever), still);
     g.turned = mix(ivec3(0), ivec3(-1), backwards);
     g.size = ivec3(size);
     return g;
 }
 
-ivec3 firstVoxel(GridRay g, float tMin) {
-    float t = max(tMin, 0.0f) * (1.0f - 2.0f * gammaBound(3.0f));
+ivec3 firstVoxel(GridRay g, real tMin) {
+    real t = max(tMin, 0.0f) * (1.0f - 2.0f * gammaBound(3.0f));
     return clamp(ivec3(g.origin + g.direction * t), ivec3(0), g.size - 1);
 }
 
@@ -88,10 +88,10 @@ ivec3 freeAhead(GridRay g, uint emptyWord) {
 }
 
 // Moves `at` behind the exit face of the free box round its voxel; returns the distance at which the ray gets there.
-float leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
+real leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
     ivec3 end = ((at >> sizeShift) + freeAhead(g, emptyWord) + 1) << sizeShift;
-    vec3 exits = (vec3(end) - g.origin) * g.inverse;
-    float t = min(exits.x, min(exits.y, exits.z));
+    real3 exits = (real3(end) - g.origin) * g.inverse;
+    real t = min(exits.x, min(exits.y, exits.z));
     // Never back, never out of the box but through its exit face: rounding must not revisit a voxel for ever.
     ivec3 inside = min(max(ivec3(g.origin + g.direction * t), at), end - 1);
     bvec3 leaves = bvec3(exits.x == t, exits.x != t && exits.y == t, exits.x != t && exits.y != t);
@@ -101,7 +101,7 @@ float leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
 
 // Whether a walk that has come to `at` at distance t is over. A triangle may be hit beyond its voxel; the hit stands unless
 // a nearer one can still come.
-bool endsAt(GridRay g, float t, ivec3 at, Hit best) {
+bool endsAt(GridRay g, real t, ivec3 at, Hit best) {
     return t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || any(greaterThanEqual(at, g.size));
 }
 
@@ -113,7 +113,7 @@ uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout Wor
     for (;;) {
         uint next = loadReference(++at); // asked for before the test, which does not wait for it then; after the last, the next list
         if (kCountWork) work.tests += 1u;
-        best = intersectTriangle(ray, shear, loadTriangle(entry & ~kLastInList), best);
+        best = intersectEntry(ray, shear, entry & ~kLastInList, best);
         if (entry >= kLastInList) break;
         entry = next;
     }
@@ -141,16 +141,16 @@ Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
 
 // Moves the ray's origin to where it enters the grid, at distance tEnter; false if it misses the grid. From there on t counts
 // from the grid's border, so that a far origin does not cost precision inside.
-bool enterGrid(inout Ray ray, out float tEnter) {
+bool enterGrid(inout Ray ray, out real tEnter) {
     ray.direction = withoutTinyComponents(ray.direction);
-    vec3 gridHi = grid.gridLo.xyz + vec3(grid.dims.xyz) * grid.cellSize.xyz;
-    vec2 span = boxSpan(ray, grid.gridLo.xyz, gridHi);
+    real3 gridHi = grid.gridLo.xyz + real3(grid.dims.xyz) * grid.cellSize.xyz;
+    real2 span = boxSpan(ray, grid.gridLo.xyz, gridHi);
     // Three roundings each: the entry is taken as early, the exit as late as it can be.
     tEnter = max(span.x * (1.0f - 2.0f * gammaBound(3.0f)), 0.0f);
-    float tLeave = span.y * (1.0f + 2.0f * gammaBound(3.0f));
+    real tLeave = span.y * (1.0f + 2.0f * gammaBound(3.0f));
     bool enters = tEnter <= tLeave && ray.tMin <= tLeave && tEnter <= ray.tMax;
     // One rounding, with fma: the new origin lies on the ray, whatever the error of tEnter.
-    ray.origin = fma(ray.direction, vec3(tEnter), ray.origin);
+    ray.origin = fma(ray.direction, real3(tEnter), ray.origin);
     ray.tMin -= tEnter;
     ray.tMax -= tEnter;
     return enters;
@@ -160,7 +160,7 @@ bool enterGrid(inout Ray ray, out float tEnter) {
 Hit trace(Ray ray, bool anyHit, inout WorkCounters work) {
     if (kCountWork) work.rays += 1u;
     Hit miss = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
-    float tEnter;
+    real tEnter;
     if (!enterGrid(ray, tEnter)) return miss;
     Hit hit = walkGrid(ray, anyHit, work);
     if (hit.triangle == kNoTriangle) return miss;

@@ -38,7 +38,7 @@ void stepOn(inout Walk w, inout WorkCounters work) {
 void testEntry(inout Walk w, bool anyHit, inout WorkCounters work) {
     uint next = loadReference(w.entryAt++); // asked for before the test, which does not wait for it then
     if (kCountWork) work.tests += 1u;
-    w.best = intersectTriangle(w.ray, w.shear, loadTriangle(w.entry & ~kLastInList), w.best);
+    w.best = intersectEntry(w.ray, w.shear, w.entry & ~kLastInList, w.best);
     if (w.entry >= kLastInList) w.entryAt = 0u;
     if (anyHit && w.best.triangle != kNoTriangle && w.entryAt == 0u) w.walking = false;
     w.entry = next;

@@ -79,7 +79,7 @@ TEST_F(TraceCommand, RendersEveryOutputAndTheFigures) {
     EXPECT_TRUE(json.at("device").is_string());
     EXPECT_EQ(json.at("atlas").at("triangles"), 1280);
     EXPECT_EQ(json.at("width"), 64);
-    EXPECT_EQ(json.at("features").size(), 11u);
+    EXPECT_EQ(json.at("features").size(), 13u);
 }
 
 TEST_F(TraceCommand, ReproduciblePicturesAreTheSameBytes) {

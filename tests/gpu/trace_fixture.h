@@ -38,13 +38,18 @@ struct QuerySettings {
     std::optional<ResourceLimits> limits; ///< the device's if absent
     std::uint64_t maxBatch = ~std::uint64_t(0);
     std::size_t pieceBytes = UploadRing::kPieceBytes;
+    unsigned intersect = kIntersectWatertight;
 };
 
-inline std::vector<QueryHit> traceVariant(const GlContext& context, const Atlas& atlas,
-                                          const std::vector<QueryRay>& rays, const QuerySettings& settings,
-                                          bool scattered) {
+/// `Record` says which precision: QueryHit or QueryHitDouble.
+template <class Record>
+std::vector<Record> traceVariant(const GlContext& context, const Atlas& atlas,
+                                 const std::vector<QueryRay>& rays, const QuerySettings& settings,
+                                 bool scattered) {
     const ResourceLimits limits = settings.limits.value_or(context.limits().resources);
     SceneFeatures features = queryFeatures(atlas, settings.anyHit);
+    features.doublePrecision = std::is_same_v<Record, QueryHitDouble>;
+    features.intersect = settings.intersect;
     features.scatteredRays = scattered;
     features.subgroups = scattered && context.limits().subgroups;
     const ResourcePlan plan = planResources(atlas, features, ShaderKind::Query, limits, "atlas");
@@ -52,12 +57,12 @@ inline std::vector<QueryHit> traceVariant(const GlContext& context, const Atlas&
     GpuRays gpuRays(rays.size(), features, context.limits(), settings.maxBatch);
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();
-    std::vector<QueryHit> hits(rays.size());
+    std::vector<Record> hits(rays.size());
     for (std::size_t first = 0; first < rays.size(); first += gpuRays.batchSize()) {
         const std::size_t count = std::min<std::size_t>(gpuRays.batchSize(), rays.size() - first);
         gpuRays.upload(std::span(rays).subspan(first, count));
         gpuRays.trace(program, 1, context.device().software);
-        gpuRays.readHits(std::span(hits).subspan(first, count));
+        gpuRays.readHits(std::as_writable_bytes(std::span(hits).subspan(first, count)));
     }
     return hits;
 }
@@ -66,14 +71,21 @@ inline std::vector<QueryHit> traceVariant(const GlContext& context, const Atlas&
 inline std::vector<QueryHit> traceQuery(const GlContext& context, const Atlas& atlas,
                                         const std::vector<QueryRay>& rays,
                                         const QuerySettings& settings = {}) {
-    const std::vector<QueryHit> hits = traceVariant(context, atlas, rays, settings, false);
-    const std::vector<QueryHit> scattered = traceVariant(context, atlas, rays, settings, true);
+    const std::vector<QueryHit> hits = traceVariant<QueryHit>(context, atlas, rays, settings, false);
+    const std::vector<QueryHit> scattered = traceVariant<QueryHit>(context, atlas, rays, settings, true);
     for (std::size_t i = 0; i < rays.size(); ++i)
         if (hits[i].tuvId != scattered[i].tuvId) {
             ADD_FAILURE() << "ray " << i << ": other hits where rays are traced as scattered ones";
             break;
         }
     return hits;
+}
+
+/// The reference: coherent, in double precision.
+inline std::vector<QueryHitDouble> traceDouble(const GlContext& context, const Atlas& atlas,
+                                               const std::vector<QueryRay>& rays,
+                                               const QuerySettings& settings = {}) {
+    return traceVariant<QueryHitDouble>(context, atlas, rays, settings, false);
 }
 
 } // namespace rt::test

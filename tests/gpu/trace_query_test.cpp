@@ -1,4 +1,5 @@
 // Ray queries against brute force in double precision, and rays that are hard to trace.
+#include "tests/gpu/exact_hit.h"
 #include "tests/gpu/trace_fixture.h"
 
 #include <glm/geometric.hpp>
@@ -12,13 +13,15 @@
 namespace rt {
 namespace {
 
+using test::ExactHit;
+using test::intersectExactly;
+using test::randomRays;
+using test::ray;
+using test::raysAtVerticesAndEdges;
+
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kDenormal = 1e-40f;
-
-QueryRay ray(const glm::vec3& origin, const glm::vec3& direction, float tMin = 0.0f, float tMax = 1e30f) {
-    return {glm::vec4(origin, tMin), glm::vec4(direction, tMax)};
-}
 
 float distanceOf(const QueryHit& hit) {
     return std::bit_cast<float>(hit.tuvId.x);
@@ -32,32 +35,6 @@ bool isMiss(const QueryHit& hit) {
 
 bool sameBytes(const std::vector<QueryHit>& a, const std::vector<QueryHit>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(QueryHit)) == 0;
-}
-
-// Moller & Trumbore 1997 in double precision. `margin` is how far inside the triangle the point is, in
-// barycentric units; negative outside.
-struct ExactHit {
-    double t = std::numeric_limits<double>::infinity();
-    double u = 0.0, v = 0.0;
-    double margin = -1.0;
-    double weightError = 0.0; // that rounding of unit-sized coordinates makes in u and v
-};
-
-ExactHit intersectExactly(const Mesh& mesh, std::size_t triangle, const QueryRay& query) {
-    const glm::uvec3& corners = mesh.triangles[triangle];
-    const glm::dvec3 v0(mesh.positions[corners.x]), v1(mesh.positions[corners.y]),
-        v2(mesh.positions[corners.z]);
-    const glm::dvec3 direction(query.directionTmax);
-    const glm::dvec3 p = glm::cross(direction, v2 - v0);
-    const double determinant = glm::dot(v1 - v0, p);
-    if (determinant == 0.0) return {};
-    const glm::dvec3 fromV0 = glm::dvec3(query.originTmin) - v0;
-    const glm::dvec3 q = glm::cross(fromV0, v1 - v0);
-    const double u = glm::dot(fromV0, p) / determinant;
-    const double v = glm::dot(direction, q) / determinant;
-    const double longest = std::max(glm::length(v1 - v0), glm::length(v2 - v0));
-    const double weightError = 1e-6 * longest * glm::length(direction) / std::abs(determinant);
-    return {glm::dot(v2 - v0, q) / determinant, u, v, std::min({u, v, 1.0 - u - v}), weightError};
 }
 
 bool isWithin(double t, const QueryRay& query, double slack) {
@@ -102,23 +79,6 @@ void expectNearest(const Mesh& mesh, const QueryRay& query, const QueryHit& foun
     EXPECT_LE(exact.t, nearest * (1.0 + kClose));
 }
 
-std::vector<QueryRay> randomRays(const Mesh& mesh, std::size_t count) {
-    std::mt19937 random(11);
-    std::uniform_real_distribution<float> unit(0.0f, 1.0f);
-    std::normal_distribution<float> normal;
-    const Bounds bounds = boundsOf(mesh);
-    std::vector<QueryRay> rays;
-    for (std::size_t i = 0; i < count; ++i) {
-        const glm::vec3 inside =
-            bounds.lo + bounds.extent() * glm::vec3(unit(random), unit(random), unit(random));
-        const glm::vec3 direction(normal(random), normal(random), normal(random));
-        const glm::vec3 origin = i % 2 ? inside : inside - 3.0f * direction;
-        const float tMin = i % 8 == 3 ? 0.3f * unit(random) : 0.0f;
-        rays.push_back(ray(origin, direction, tMin, i % 8 >= 6 ? tMin + 0.5f * unit(random) : 1e30f));
-    }
-    return rays;
-}
-
 // Rays that start on voxel faces or run along axes, in voxel faces, or into corners.
 std::vector<QueryRay> alignedRays() {
     std::vector<QueryRay> rays;
@@ -160,17 +120,6 @@ protected:
         }
     }
 };
-
-// Rays from `origin` at all vertices and at three points of each edge.
-std::vector<QueryRay> raysAtVerticesAndEdges(const Mesh& mesh, const glm::vec3& origin) {
-    std::vector<QueryRay> rays;
-    for (const glm::vec3& vertex : mesh.positions) rays.push_back(ray(origin, vertex - origin));
-    for (const glm::uvec3& corners : mesh.triangles)
-        for (const auto& [a, b] : {std::pair(corners.x, corners.y), std::pair(corners.y, corners.z)})
-            for (const float along : {0.1f, 0.37f, 0.5f})
-                rays.push_back(ray(origin, glm::mix(mesh.positions[a], mesh.positions[b], along) - origin));
-    return rays;
-}
 
 TEST_F(RayQuery, NoRayLeavesAClosedSphereThroughItsVerticesAndEdges) {
     for (const glm::vec3& centre : {glm::vec3(0.0f), glm::vec3(148376, 1234, -223423)}) {

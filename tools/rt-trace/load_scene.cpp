@@ -16,7 +16,9 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     scene.context = GlContext::open(options.device);
     const GlLimits& limits = scene.context->limits();
     stages.begin("plan");
-    const SceneNeeds needs = choose(file.atlas, limits);
+    SceneNeeds needs = choose(file.atlas, limits);
+    needs.features.doublePrecision = options.doublePrecision;
+    needs.features.intersect = options.intersect;
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
     scene.plan.features.countWork = 0;
     stages.begin("compile");

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 namespace rt {
 namespace {
@@ -14,12 +15,17 @@ namespace {
 constexpr const char* kPictureGroup = "Pictures";
 constexpr const char* kQueryGroup = "Ray queries";
 
+// In the order of their constants.
+constexpr std::array<const char*, 3> kIntersectNames = {"watertight", "moller-trumbore", "baldwin-webber"};
+
 // Options whose text is parsed once all of them are known.
 struct OptionTexts {
     std::string size = "512x512";
     std::string ambient = "0.1";
     std::string background = "0.32,0.4,0.5";
     std::string rayOrder = "auto";
+    std::string precision = "float";
+    std::string intersect = kIntersectNames[0];
     std::string eye, lookAt, up;
     std::vector<std::string> lights;
 };
@@ -125,6 +131,9 @@ void convertTexts(const OptionTexts& texts, TraceOptions& options) {
     if (!texts.up.empty()) options.camera.up = parsePoint(texts.up, "--up");
     options.ambient = parseColor(texts.ambient, "--ambient");
     options.background = parseColor(texts.background, "--background");
+    options.doublePrecision = texts.precision == "double";
+    options.intersect = static_cast<unsigned>(
+        std::find(kIntersectNames.begin(), kIntersectNames.end(), texts.intersect) - kIntersectNames.begin());
     if (texts.rayOrder == "coherent") options.rayOrder = RayOrder::Coherent;
     if (texts.rayOrder == "scattered") options.rayOrder = RayOrder::Scattered;
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
@@ -182,6 +191,16 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
         ->type_name("auto|software|N")
         ->capture_default_str();
     app.add_flag("--list-devices", options.listDevices, "Print the devices and which of them can be used");
+    app.add_option("--precision", texts.precision,
+                   "Compute with 32 or 64 bits; double is slow, and the reference for errors of float. With "
+                   "--rays the "
+                   "hits are then float64 t, u, v, uint32 triangle, uint32 0")
+        ->check(CLI::IsMember({"float", "double"}))
+        ->capture_default_str();
+    app.add_option("--intersect", texts.intersect,
+                   "Triangle test; the others than watertight lose rays that meet edges")
+        ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}))
+        ->capture_default_str();
     app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
     addCommonOptions(app, options.common,
                      fmt::format("libepoxy {}, OpenEXR {}", RT_EPOXY_VERSION, RT_OPENEXR_VERSION));

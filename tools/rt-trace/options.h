@@ -18,6 +18,8 @@ struct TraceOptions {
     std::string scenePath;
     std::vector<std::string> outputPaths;
     bool stats = false;
+    bool doublePrecision = false;
+    unsigned intersect = kIntersectWatertight;
 
     // Pictures.
     glm::uvec2 size{512, 512};

@@ -28,13 +28,13 @@ void bindStorage(GLuint binding, const GlBuffer& buffer) {
 
 GpuRays::GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
                  std::uint64_t maxBatch)
-    : limits_(limits) {
+    : limits_(limits), hitBytes_(features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit)) {
     const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
     const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
     batchSize_ = std::min({rayCount, kMostRays, perBuffer, perDispatch, maxBatch});
     params_ = createDynamicBuffer(sizeof(QueryParams), kFewerRays);
     rays_ = createDynamicBuffer(batchSize_ * sizeof(QueryRay), kFewerRays);
-    hits_ = createOutputBuffer(batchSize_ * sizeof(QueryHit), kFewerRays);
+    hits_ = createOutputBuffer(batchSize_ * hitBytes_, kFewerRays);
     if (features.scatteredRays) queue_ = createDynamicBuffer(sizeof(std::uint32_t), kFewerRays);
     if (features.countWork) counters_ = createOutputBuffer(batchSize_ * sizeof(glm::uvec4), kFewerRays);
 }
@@ -89,8 +89,8 @@ void GpuRays::finishCompiling(const GlProgram& program) {
     checkGl("starting the ray queries", kFewerRays);
 }
 
-void GpuRays::readHits(std::span<QueryHit> hits) const {
-    readBuffer(hits_, std::as_writable_bytes(hits));
+void GpuRays::readHits(std::span<std::byte> hits) const {
+    readBuffer(hits_, hits);
 }
 
 std::vector<glm::uvec4> GpuRays::readCounters() const {

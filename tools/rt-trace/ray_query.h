@@ -28,8 +28,10 @@ public:
     /// Makes the driver finish compiling for what is bound, without tracing. Empties the batch.
     void finishCompiling(const GlProgram& program);
 
+    /// Bytes of one hit: a QueryHit, or a QueryHitDouble in double precision.
+    std::size_t hitBytes() const { return hitBytes_; }
     /// One hit for each ray of the batch.
-    void readHits(std::span<QueryHit> hits) const;
+    void readHits(std::span<std::byte> hits) const;
     /// (1, steps, tests, 0) per ray of the batch.
     std::vector<glm::uvec4> readCounters() const;
 
@@ -39,6 +41,7 @@ private:
 
     GlLimits limits_;
     std::uint64_t batchSize_;
+    std::size_t hitBytes_;
     unsigned count_ = 0; // rays of the batch
     GlBuffer params_, rays_, hits_, queue_, counters_;
 };

@@ -9,6 +9,8 @@ namespace rt {
 std::span<const FeatureRow> featureTable() {
     static constexpr FeatureRow kTable[] = {
         {"RT_STRUCTURE", &SceneFeatures::structure, "the atlas' structure kind"},
+        {"RT_DOUBLE", &SceneFeatures::doublePrecision, "--precision double was asked for"},
+        {"RT_INTERSECT", &SceneFeatures::intersect, "--intersect asked for another test than watertight"},
         {"RT_ANY_HIT", &SceneFeatures::anyHit, "--any-hit was asked for"},
         {"RT_SCATTERED_RAYS", &SceneFeatures::scatteredRays, "neighbours among the rays go different ways"},
         {"RT_SUBGROUPS", &SceneFeatures::subgroups,

@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/atlas.h"
+#include "formats/gpu_interface.shared.h"
 
 #include <span>
 #include <string>
@@ -9,6 +10,8 @@ namespace rt {
 /// What a shader variant is compiled for; shaders/features.glsl turns each field's macro into a constant.
 struct SceneFeatures {
     unsigned structure = kStructureUniform;
+    unsigned doublePrecision = 0;
+    unsigned intersect = kIntersectWatertight;
     unsigned anyHit = 0;
     unsigned scatteredRays = 0;
     unsigned subgroups = 0;

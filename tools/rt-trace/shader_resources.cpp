@@ -2,26 +2,39 @@
 
 #include "common/error.h"
 #include "formats/gpu_interface.shared.h"
+#include "tools/rt-trace/triangle_transforms.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
+#include <memory>
 
 namespace rt {
 namespace {
 
 template <class T>
 PagedArray arrayOf(const char* name, const char* type, const char* load, const SharedSpan<T>& values) {
-    return {name, type, load, sizeof(T), bytesOf<T>(values)};
+    return {name, type, load, sizeof(T), {bytesOf<T>(values), nullptr}};
+}
+
+PagedArray transformArray(const Atlas& atlas) {
+    const auto transforms =
+        std::make_shared<std::vector<TriangleTransform>>(triangleTransforms(atlas.triangles));
+    return {"transforms",
+            "TriangleTransform",
+            "loadTransform",
+            sizeof(TriangleTransform),
+            {bytesOf<TriangleTransform>(*transforms), transforms}};
 }
 
 // The order gives the bindings.
 std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& features, ShaderKind kind) {
-    std::vector<PagedArray> arrays = {
-        arrayOf("references", "uint", "loadReference", atlas.references),
-        arrayOf("triangles", "TriangleRecord", "loadTriangle", atlas.triangles),
-    };
+    std::vector<PagedArray> arrays = {arrayOf("references", "uint", "loadReference", atlas.references)};
+    const bool transformed = features.intersect == kIntersectBaldwinWeber;
+    if (transformed) arrays.push_back(transformArray(atlas));
+    if (!transformed || kind == ShaderKind::Render)
+        arrays.push_back(arrayOf("triangles", "TriangleRecord", "loadTriangle", atlas.triangles));
     if (features.structure == kStructureNested)
         arrays.push_back(arrayOf("bricks", "uint", "loadBrick", atlas.bricks));
     if (kind == ShaderKind::Query) return arrays;
@@ -139,7 +152,8 @@ std::string imageText(int unit, const char* format, const char* type, const char
 std::string queryText(const SceneFeatures& features) {
     std::string text = uniformText(RT_BINDING_QUERY, "QueryParams", "QueryBlock", "query") +
                        bufferText(RT_BUFFER_RAYS, "readonly", "QueryRay", "rays") +
-                       bufferText(RT_BUFFER_HITS, "writeonly", "QueryHit", "hits");
+                       bufferText(RT_BUFFER_HITS, "writeonly",
+                                  features.doublePrecision ? "QueryHitDouble" : "QueryHit", "hits");
     if (features.scatteredRays)
         text += fmt::format("layout(std430, binding = {}) restrict buffer QueueBlock {{ uint nextRay; }};\n",
                             RT_BUFFER_QUEUE);

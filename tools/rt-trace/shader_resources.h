@@ -28,7 +28,7 @@ struct PagedArray {
     const char* type; ///< of an element in GLSL
     const char* load; ///< name of the GLSL function that returns element i
     unsigned elementBytes = 0;
-    std::span<const std::byte> bytes;
+    SharedSpan<std::byte> bytes;
     unsigned pageShift = 0; ///< means nothing where there is one page
     unsigned pageCount = 1;
     unsigned firstBinding = 0;
@@ -51,7 +51,7 @@ struct VoxelSlabs {
 struct ResourcePlan {
     ShaderKind kind = ShaderKind::Render;
     SceneFeatures features;
-    std::vector<PagedArray> arrays; ///< views into the atlas
+    std::vector<PagedArray> arrays; ///< views into the atlas, but for what is made of it
     VoxelSlabs voxels;
 };
 

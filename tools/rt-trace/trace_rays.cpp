@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 
 namespace rt {
@@ -30,7 +31,8 @@ std::span<const QueryRay> asRays(const SharedSpan<std::byte>& bytes, const std::
 }
 
 struct Traced {
-    std::vector<QueryHit> hits;
+    std::vector<std::byte> hits; ///< records of hitBytes each
+    std::size_t hitBytes = sizeof(QueryHit);
     std::vector<double> passesMs; ///< of all rays; sorted
     std::optional<WorkTotals> work;
 
@@ -38,9 +40,17 @@ struct Traced {
         const std::size_t half = passesMs.size() / 2;
         return passesMs.size() % 2 ? passesMs[half] : 0.5 * (passesMs[half - 1] + passesMs[half]);
     }
-    std::uint64_t hitCount() const {
-        return static_cast<std::uint64_t>(std::count_if(
-            hits.begin(), hits.end(), [](const QueryHit& hit) { return hit.tuvId.w != kNoTriangle; }));
+    std::size_t rayCount() const { return hits.size() / hitBytes; }
+    std::size_t hitCount() const {
+        const std::size_t idOffset =
+            hitBytes == sizeof(QueryHit) ? offsetof(QueryHit, tuvId.w) : offsetof(QueryHitDouble, triangle);
+        std::size_t count = 0;
+        for (std::size_t at = idOffset; at < hits.size(); at += hitBytes) {
+            std::uint32_t triangle;
+            std::memcpy(&triangle, &hits[at], sizeof triangle);
+            count += triangle != kNoTriangle;
+        }
+        return count;
     }
 };
 
@@ -62,7 +72,8 @@ struct QueryPrograms {
 Traced traceBatches(std::span<const QueryRay> rays, GpuRays& gpuRays, const QueryPrograms& programs,
                     unsigned repeat, bool software, StageTimer& stages) {
     Traced traced;
-    traced.hits.resize(rays.size());
+    traced.hitBytes = gpuRays.hitBytes();
+    traced.hits.resize(rays.size() * traced.hitBytes);
     traced.passesMs.resize(std::max(repeat, 1u));
     if (programs.counting) traced.work = WorkTotals();
     for (std::size_t first = 0; first < rays.size(); first += gpuRays.batchSize()) {
@@ -73,7 +84,7 @@ Traced traceBatches(std::span<const QueryRay> rays, GpuRays& gpuRays, const Quer
         const std::vector<double> passesMs = timedPasses(gpuRays, programs.timed, software, repeat);
         for (std::size_t i = 0; i < passesMs.size(); ++i) traced.passesMs[i] += passesMs[i];
         stages.begin("readback");
-        gpuRays.readHits(std::span(traced.hits).subspan(first, count));
+        gpuRays.readHits(std::span(traced.hits).subspan(first * traced.hitBytes, count * traced.hitBytes));
         stages.end();
         if (!programs.counting) continue;
         gpuRays.trace(*programs.counting, 1, software);
@@ -118,11 +129,11 @@ void writeReport(const TraceOptions& options, const GpuScene& scene, const Trace
     if (options.common.jsonPath.empty()) return;
     nlohmann::json report;
     reportCommon(report, scene, stages);
-    report["rays"] = traced.hits.size();
+    report["rays"] = traced.rayCount();
     report["hits"] = traced.hitCount();
     report["anyHit"] = options.anyHit;
     if (traced.work) reportWork(report, *traced.work, traced.medianMs());
-    report["mraysPerSecond"] = mraysPerSecond(traced.hits.size(), traced.medianMs());
+    report["mraysPerSecond"] = mraysPerSecond(traced.rayCount(), traced.medianMs());
     if (options.repeat == 0) {
         report["gpuMs"] = traced.medianMs();
     } else {

@@ -1,0 +1,12 @@
+// The type of all that is computed about rays and surfaces: float, or double where a reference is wanted. Colours stay float.
+#if RT_DOUBLE
+#define real double
+#define real2 dvec2
+#define real3 dvec3
+const real kRoundoff = 1.1102230246251565e-16LF; // 2^-53
+#else
+#define real float
+#define real2 vec2
+#define real3 vec3
+const real kRoundoff = 5.9604645e-8f; // 2^-24
+#endif
