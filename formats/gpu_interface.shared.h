@@ -37,10 +37,6 @@ RT_SHARED_CONST uint kIntersectWatertight = 0u;     // Woop, Benthin & Wald 2013
 RT_SHARED_CONST uint kIntersectMollerTrumbore = 1u; // 1997
 RT_SHARED_CONST uint kIntersectBaldwinWeber = 2u;   // 2016
 
-// Invocations take scattered rays from a queue until it is empty: so many each, on average. Few enough that
-// all lanes of a device have work, many enough that they get some more when they are done.
-RT_SHARED_CONST uint kRaysPerLane = 4u;
-
 // A pinhole camera in atlas space; the ray through pixel (x, y), (0, 0) = top left, is
 //     forward + right * (2 (x + 0.5) / width - 1) + up * (1 - 2 (y + 0.5) / height), normalized.
 struct CameraParams {

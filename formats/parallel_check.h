@@ -15,12 +15,12 @@ namespace rt {
 /// order has thrown comes out, whatever the number of threads.
 void checkTogether(const std::vector<std::function<void()>>& checks);
 
-/// Runs `work` on this thread while `check` runs on one of its own, each to its end, and returns what `work`
-/// does. Where both throw, what `check` has thrown comes out.
+/// Runs `work` on this thread while `check` runs on one of its own, or after it where `threads` is 1; each to
+/// its end. Returns what `work` does. Where both throw, what `check` has thrown comes out.
 template <class Work>
-auto whileChecking(const std::function<void()>& check, Work&& work) {
+auto whileChecking(const std::function<void()>& check, int threads, Work&& work) {
     std::packaged_task<decltype(work())()> task(std::forward<Work>(work));
-    std::future<void> checked = std::async(std::launch::async, check);
+    std::future<void> checked = std::async(threads == 1 ? std::launch::deferred : std::launch::async, check);
     task();
     checked.get();
     return task.get_future().get();

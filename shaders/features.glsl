@@ -44,7 +44,7 @@ const uint kStructure = uint(RT_STRUCTURE);
 const bool kDouble = RT_DOUBLE != 0;
 const uint kIntersect = uint(RT_INTERSECT);
 const bool kAnyHit = RT_ANY_HIT != 0;
-const bool kScatteredRays = RT_SCATTERED_RAYS != 0;
+const bool kScatteredRays = RT_SCATTERED_RAYS != 0; // the host then takes query_scattered.comp.glsl
 const bool kSubgroups = RT_SUBGROUPS != 0;
 const bool kCountWork = RT_COUNT_WORK != 0;
 const bool kHasTextures = RT_HAS_TEXTURES != 0;

@@ -1,10 +1,38 @@
 // Invocations that run side by side: a subgroup, where the device has them; else each counts as alone. Only those that are
-// active where a function is called take part.
+// active where a function is called take part. Included after the work group's size, which some compilers want to know first.
+// The functions of a group belong together: they expect the lanes that called one to be the lanes that call the next, as
+// they are in straight-line code on every device tried.
 
-uint lanesWhere(bool condition) {
 #if RT_SUBGROUPS
+uint lanesWhere(bool condition) {
     return subgroupBallotBitCount(subgroupBallot(condition));
-#else
-    return condition ? 1u : 0u;
-#endif
 }
+uint activeLanes() {
+    return subgroupBallotBitCount(subgroupBallot(true));
+}
+uint rankOfLane() { // among the active ones
+    return subgroupBallotExclusiveBitCount(subgroupBallot(true));
+}
+bool isFirstLane() {
+    return subgroupElect();
+}
+uint fromFirstLane(uint value) {
+    return subgroupBroadcastFirst(value);
+}
+#else
+uint lanesWhere(bool condition) {
+    return condition ? 1u : 0u;
+}
+uint activeLanes() {
+    return 1u;
+}
+uint rankOfLane() {
+    return 0u;
+}
+bool isFirstLane() {
+    return true;
+}
+uint fromFirstLane(uint value) {
+    return value;
+}
+#endif

@@ -112,6 +112,74 @@ TEST_F(TraceCommand, CameraOptionsMoveThePicture) {
     EXPECT_GT(image.find("G")->values[16 * 32 + 16], 0.1f);
 }
 
+// 99 rays from all around, at what is near the middle.
+std::string raysFromAllSides() {
+    std::string bytes;
+    for (int i = 0; i < 99; ++i) {
+        const float angle = 0.4f * static_cast<float>(i), height = 0.02f * static_cast<float>(i) - 1.0f;
+        const float ray[8] = {3.0f * std::cos(angle), 0.0f,   3.0f * std::sin(angle), 0.0f,
+                              -std::cos(angle),       height, -std::sin(angle),       1e30f};
+        bytes.append(reinterpret_cast<const char*>(ray), sizeof(ray));
+    }
+    return bytes;
+}
+
+TEST_F(TraceCommand, TheOrderOfRaysDoesNotChangeAHit) {
+    spit(out.file("rays"), raysFromAllSides());
+    for (const std::string order : {"auto", "coherent", "scattered"})
+        ASSERT_EQ(trace({atlas(), "--rays", out.file("rays"), "-o", out.file(order), "--ray-order", order})
+                      .exitCode,
+                  0);
+    const std::string hits = test::readText(out.file("coherent"));
+    EXPECT_EQ(hits.size(), 99u * 16u);
+    EXPECT_EQ(test::readText(out.file("scattered")), hits);
+    EXPECT_EQ(test::readText(out.file("auto")), hits);
+}
+
+TEST_F(TraceCommand, PrecisionAndTriangleTestAreReportedAndAgree) {
+    spit(out.file("rays"), raysFromAllSides());
+    const auto hitsOf = [&](const std::string& precision, const std::string& intersect) {
+        const std::string file = out.file(precision + intersect);
+        EXPECT_EQ(trace({atlas(), "--rays", out.file("rays"), "-o", file, "--precision", precision,
+                         "--intersect", intersect, "--json", out.file("j")})
+                      .exitCode,
+                  0);
+        return test::readText(file);
+    };
+    const std::string reference = hitsOf("double", "watertight");
+    ASSERT_EQ(reference.size(), 99u * 32u);
+    for (const std::string intersect : {"watertight", "moller-trumbore", "baldwin-webber"}) {
+        const std::string hits = hitsOf("float", intersect);
+        ASSERT_EQ(hits.size(), 99u * 16u);
+        std::size_t found = 0;
+        for (std::size_t i = 0; i < 99; ++i) {
+            float t;
+            double exact;
+            std::memcpy(&t, &hits[16 * i], sizeof t);
+            std::memcpy(&exact, &reference[32 * i], sizeof exact);
+            EXPECT_NEAR(t, exact, 1e-3) << intersect << ", ray " << i;
+            found += t > 0.0f;
+        }
+        EXPECT_GT(found, 20u);
+    }
+    const auto features = nlohmann::json::parse(test::readText(out.file("j"))).at("features");
+    EXPECT_TRUE(std::any_of(features.begin(), features.end(), [](const nlohmann::json& feature) {
+        return feature.at("macro") == "RT_INTERSECT" && feature.at("value") == 2;
+    }));
+}
+
+TEST_F(TraceCommand, PicturesInDoublePrecisionAreNearlyTheSame) {
+    for (const std::string precision : {"float", "double"})
+        ASSERT_EQ(
+            trace({atlas(), "-o", out.file(precision + ".exr"), "--size", "32x32", "--precision", precision})
+                .exitCode,
+            0);
+    const Image a = readExr(out.file("float.exr")), b = readExr(out.file("double.exr"));
+    for (const char* channel : {"R", "Z", "N.X"})
+        for (std::size_t i = 0; i < 32 * 32; ++i)
+            EXPECT_NEAR(a.find(channel)->values[i], b.find(channel)->values[i], 1e-3) << channel << i;
+}
+
 TEST_F(TraceCommand, TracesRaysAndReportsTimes) {
     const float rays[2][8] = {{0, 0, 5, 0, 0, 0, -1, 1e30f}, {0, 0, 5, 0, 0, 0, 1, 1e30f}};
     spit(out.file("rays"), std::string(reinterpret_cast<const char*>(rays), sizeof(rays)));
@@ -168,6 +236,10 @@ TEST_F(TraceCommand, WrongUsageIs2) {
     expectFailure({atlas(), "-o", "OUT", "--any-hit"}, 2, "--any-hit");
     expectFailure({atlas(), "-o", "OUT", "--rays", rays, "--size", "4x4"}, 2, "--size");
     expectFailure({atlas(), "-o", "OUT", "-o", out.file("b"), "--rays", rays}, 2, "one -o");
+    expectFailure({atlas(), "-o", "OUT", "--rays", rays, "--ray-order", "sorted"}, 2, "--ray-order");
+    expectFailure({atlas(), "-o", "OUT.exr", "--ray-order", "scattered"}, 2, "--ray-order needs --rays");
+    expectFailure({atlas(), "-o", "OUT.exr", "--precision", "half"}, 2, "--precision");
+    expectFailure({atlas(), "-o", "OUT.exr", "--intersect", "best"}, 2, "--intersect");
     expectFailure({atlas(), "-o", "OUT", "--unknown"}, 2, "--unknown");
     expectFailure({atlas(), "-o", "OUT", "-o", "OUT"}, 2, "two outputs");
     expectFailure({atlas(), "-o", "OUT", "--json", "OUT"}, 2, "two outputs");

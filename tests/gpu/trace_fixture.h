@@ -57,6 +57,12 @@ std::vector<Record> traceVariant(const GlContext& context, const Atlas& atlas,
     GpuRays gpuRays(rays.size(), features, context.limits(), settings.maxBatch);
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();
+    if (scattered) { // other hits, so that none of those wanted can be left over from before
+        std::vector<QueryRay> backwards(rays.rbegin(), rays.rend());
+        backwards.resize(std::min<std::size_t>(rays.size(), gpuRays.batchSize()));
+        gpuRays.upload(backwards);
+        gpuRays.trace(program, 1, context.device().software);
+    }
     std::vector<Record> hits(rays.size());
     for (std::size_t first = 0; first < rays.size(); first += gpuRays.batchSize()) {
         const std::size_t count = std::min<std::size_t>(gpuRays.batchSize(), rays.size() - first);

@@ -258,6 +258,32 @@ TEST_F(RayQuery, PagesOfBricksDoNotChangeAHit) {
                           test::traceQuery(*context, atlas, rays, {.limits = tiny})));
 }
 
+TEST_F(RayQuery, ScatteredRaysTakeTheSameStepsAndTestsPassAfterPass) {
+    const Mesh mesh = test::makeRandomTriangles(300, 8, 0.1f);
+    const Atlas atlas = test::makeAtlas(mesh, kStructureNested, {3, 4, 5});
+    const std::vector<QueryRay> rays = randomRays(mesh, 5000);
+    std::vector<glm::uvec4> counted[2];
+    for (const unsigned scattered : {0u, 1u}) {
+        SceneFeatures features = queryFeatures(atlas, false);
+        features.countWork = 1;
+        features.scatteredRays = scattered;
+        features.subgroups = scattered && limits().subgroups;
+        const ResourcePlan plan =
+            planResources(atlas, features, ShaderKind::Query, limits().resources, "atlas");
+        const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, limits(), 0, "atlas");
+        GpuRays gpuRays(rays.size(), features, limits());
+        const GlProgram program = compileVariant(plan);
+        gpuAtlas.bind();
+        gpuRays.upload(rays);
+        EXPECT_EQ(gpuRays.trace(program, 3, context->device().software).size(), 3u);
+        counted[scattered] = gpuRays.readCounters();
+    }
+    EXPECT_EQ(counted[0], counted[1]);
+    EXPECT_GT(std::count_if(counted[0].begin(), counted[0].end(),
+                            [](const glm::uvec4& work) { return work.y > 1 && work.z > 1; }),
+              1000);
+}
+
 TEST_F(RayQuery, NoRaysGiveNoHits) {
     const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureUniform, {2, 2, 2});
     EXPECT_TRUE(test::traceQuery(*context, atlas, {}).empty());

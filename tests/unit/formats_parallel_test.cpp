@@ -99,7 +99,7 @@ TEST(CheckTogether, ReportsTheFirstInOrderAndRunsAll) {
 TEST(WhileChecking, WorksOnThisThreadAndReturnsWhatTheWorkDoes) {
     const std::thread::id here = std::this_thread::get_id();
     std::thread::id checker, worker;
-    const auto result = whileChecking([&] { checker = std::this_thread::get_id(); },
+    const auto result = whileChecking([&] { checker = std::this_thread::get_id(); }, 0,
                                       [&] {
                                           worker = std::this_thread::get_id();
                                           return std::make_unique<int>(7);
@@ -107,6 +107,18 @@ TEST(WhileChecking, WorksOnThisThreadAndReturnsWhatTheWorkDoes) {
     EXPECT_EQ(*result, 7);
     EXPECT_EQ(worker, here);
     EXPECT_NE(checker, here);
+}
+
+TEST(WhileChecking, OneThreadDoesOneAfterTheOther) {
+    std::thread::id checker;
+    bool worked = false;
+    whileChecking(
+        [&] {
+            checker = std::this_thread::get_id();
+            EXPECT_TRUE(worked);
+        },
+        1, [&] { worked = true; });
+    EXPECT_EQ(checker, std::this_thread::get_id());
 }
 
 TEST(WhileChecking, WhatTheCheckThrowsComesFirstHoweverLate) {
@@ -119,10 +131,10 @@ TEST(WhileChecking, WhatTheCheckThrowsComesFirstHoweverLate) {
             throw Error(ErrorKind::InvalidContent, what);
         };
     };
-    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 20), fails("work", 0)); }), "check");
-    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 0), fails("work", 20)); }), "check");
-    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 0), passes); }), "check");
-    EXPECT_EQ(messageOf([&] { whileChecking(passes, fails("work", 0)); }), "work");
+    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 20), 0, fails("work", 0)); }), "check");
+    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 0), 0, fails("work", 20)); }), "check");
+    EXPECT_EQ(messageOf([&] { whileChecking(fails("check", 0), 0, passes); }), "check");
+    EXPECT_EQ(messageOf([&] { whileChecking(passes, 0, fails("work", 0)); }), "work");
     EXPECT_EQ(ran, 8);
 }
 

@@ -126,12 +126,13 @@ bool isSoftwareRenderer(const std::string& renderer) {
     return false;
 }
 
-void compileOnAllCores() {
-    constexpr GLuint kAsManyThreadsAsItLikes = 0xFFFFFFFFu;
+// As many as it likes: a shader is one, and there are two at most.
+void letDriverCompileOnItsOwnThreads() {
+    constexpr GLuint kNoLimit = 0xFFFFFFFFu;
     if (epoxy_has_gl_extension("GL_KHR_parallel_shader_compile"))
-        glMaxShaderCompilerThreadsKHR(kAsManyThreadsAsItLikes);
+        glMaxShaderCompilerThreadsKHR(kNoLimit);
     else if (epoxy_has_gl_extension("GL_ARB_parallel_shader_compile"))
-        glMaxShaderCompilerThreadsARB(kAsManyThreadsAsItLikes);
+        glMaxShaderCompilerThreadsARB(kNoLimit);
 }
 
 } // namespace
@@ -172,7 +173,7 @@ public:
         device.software = device.software || isSoftwareRenderer(device.renderer);
         opened->device_ = device;
         opened->limits_ = queryGlLimits(device.software);
-        compileOnAllCores();
+        letDriverCompileOnItsOwnThreads();
         return opened;
     }
 

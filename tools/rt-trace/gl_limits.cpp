@@ -50,7 +50,7 @@ GlLimits queryGlLimits(bool software) {
     limits.arrayLayers = get(GL_MAX_ARRAY_TEXTURE_LAYERS);
     limits.groupCountX = getIndexed(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0);
     limits.groupCountY = getIndexed(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 1);
-    limits.subgroups = hasSubgroups();
+    limits.subgroups = !software && hasSubgroups();
     return limits;
 }
 

@@ -76,15 +76,18 @@ void GlFence::Delete::operator()(void* sync) const {
 GlFence GlFence::insert() {
     GlFence fence;
     fence.sync_.reset(glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0));
+    if (!fence.sync_) throw Error(ErrorKind::Internal, "the device takes no more work");
     return fence;
 }
 
 void GlFence::wait() {
-    constexpr GLuint64 kNanoseconds = 1'000'000'000; // of one try
-    while (sync_ && glClientWaitSync(static_cast<GLsync>(sync_.get()), GL_SYNC_FLUSH_COMMANDS_BIT,
-                                     kNanoseconds) == GL_TIMEOUT_EXPIRED) {
-    }
+    constexpr GLuint64 kNanoseconds = 60'000'000'000; // no copy of a piece takes a minute
+    if (!sync_) return;
+    const GLenum result =
+        glClientWaitSync(static_cast<GLsync>(sync_.get()), GL_SYNC_FLUSH_COMMANDS_BIT, kNanoseconds);
     sync_.reset();
+    if (result != GL_ALREADY_SIGNALED && result != GL_CONDITION_SATISFIED)
+        throw Error(ErrorKind::Internal, "the device does not answer");
 }
 
 void checkGl(const std::string& doing, const char* remedy) {
@@ -113,13 +116,14 @@ GlBuffer createDynamicBuffer(std::uint64_t size, const char* remedy) {
     return createEmptyBuffer(size, GL_DYNAMIC_STORAGE_BIT, remedy);
 }
 
-GlBuffer createStagingBuffer(std::uint64_t size, std::byte*& mapped) {
+StagingBuffer createStagingBuffer(std::uint64_t size) {
     constexpr GLbitfield kMapping = GL_MAP_WRITE_BIT | GL_MAP_PERSISTENT_BIT | GL_MAP_COHERENT_BIT;
-    GlBuffer buffer = createEmptyBuffer(size, kMapping | GL_CLIENT_STORAGE_BIT, kSmallerAtlas);
-    mapped = static_cast<std::byte*>(
-        glMapNamedBufferRange(buffer.name(), 0, static_cast<GLsizeiptr>(size), kMapping));
+    StagingBuffer staging;
+    staging.buffer = createEmptyBuffer(size, kMapping | GL_CLIENT_STORAGE_BIT, "close what else uses it");
+    staging.mapped = static_cast<std::byte*>(
+        glMapNamedBufferRange(staging.buffer.name(), 0, static_cast<GLsizeiptr>(size), kMapping));
     checkGl(fmt::format("mapping a buffer of {} bytes", size));
-    return buffer;
+    return staging;
 }
 
 void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes) {

@@ -50,7 +50,7 @@ using GlShader = GlObject<deleteShader>;
 class GlFence {
 public:
     static GlFence insert();
-    /// Waits until the device has passed it, if there is one.
+    /// Waits until the device has passed it, if there is one. Throws Error{Internal} if it never does.
     void wait();
 
 private:
@@ -74,9 +74,13 @@ GlBuffer createBuffer(std::span<const std::byte> bytes);
 GlBuffer createOutputBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);
 /// A buffer of `size` bytes for updateBuffer() to change.
 GlBuffer createDynamicBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);
-/// A buffer near the host of which all stays mapped for writing, at `mapped`, without flushing. What is
-/// written there must not be changed before the commands that read it have passed a fence.
-GlBuffer createStagingBuffer(std::uint64_t size, std::byte*& mapped);
+/// A buffer near the host of which all stays mapped for writing, without flushing. What is written there must
+/// not be changed before the commands that read it have passed a fence.
+struct StagingBuffer {
+    GlBuffer buffer;
+    std::byte* mapped = nullptr; ///< as long as the buffer is there
+};
+StagingBuffer createStagingBuffer(std::uint64_t size);
 void updateBuffer(const GlBuffer& buffer, std::span<const std::byte> bytes);
 void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
 

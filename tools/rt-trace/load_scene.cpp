@@ -42,8 +42,9 @@ GpuScene loadScene(const TraceOptions& options, ShaderKind kind, const ChooseNee
         mapped.verify();
         endMs = programMs();
     };
-    GpuScene scene = whileChecking(
-        verify, [&] { return bringToDevice(mapped.unverified(), options, kind, choose, stages); });
+    GpuScene scene = whileChecking(verify, options.common.threads, [&] {
+        return bringToDevice(mapped.unverified(), options, kind, choose, stages);
+    });
     stages.end();
     stages.add("load", endMs - startMs);
     return scene;

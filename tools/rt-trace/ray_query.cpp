@@ -13,8 +13,16 @@ namespace {
 constexpr std::uint64_t kMostRays = 1u << 24; // of a batch: 768 MiB of rays and hits
 constexpr const char* kFewerRays = "lower rt-grid's --resolution or trace fewer rays at a time";
 
-glm::uvec2 groupsFor(unsigned rays, bool scattered, const GlLimits& limits) {
-    const unsigned perGroup = kRaysPerGroup * (scattered ? kRaysPerLane : 1);
+// How many scattered rays an invocation takes from the queue, on average. Few enough that all lanes of a
+// device have work, many enough that they get some more when they are done. One where lanes do not know of
+// each other: see the shader.
+unsigned raysPerLane(const SceneFeatures& features) {
+    constexpr unsigned kRaysPerLane = 4;
+    return features.scatteredRays && features.subgroups ? kRaysPerLane : 1;
+}
+
+glm::uvec2 groupsFor(unsigned rays, unsigned perLane, const GlLimits& limits) {
+    const unsigned perGroup = kRaysPerGroup * perLane;
     const unsigned groups = (rays + perGroup - 1) / perGroup;
     const unsigned x = std::clamp(groups, 1u, limits.groupCountX);
     return {x, (groups + x - 1) / x};
@@ -28,7 +36,8 @@ void bindStorage(GLuint binding, const GlBuffer& buffer) {
 
 GpuRays::GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
                  std::uint64_t maxBatch)
-    : limits_(limits), hitBytes_(features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit)) {
+    : limits_(limits), raysPerLane_(raysPerLane(features)),
+      hitBytes_(features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit)) {
     const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
     const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
     batchSize_ = std::min({rayCount, kMostRays, perBuffer, perDispatch, maxBatch});
@@ -55,14 +64,16 @@ void GpuRays::bind() const {
 }
 
 void GpuRays::restartQueue() const {
+    if (!queue_.name()) return;
     const std::uint32_t first = 0;
-    if (queue_.name()) updateBuffer(queue_, std::as_bytes(std::span(&first, 1)));
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT); // a shader has changed it
+    updateBuffer(queue_, std::as_bytes(std::span(&first, 1)));
 }
 
 std::vector<double> GpuRays::trace(const GlProgram& program, unsigned passes, bool software) const {
     glUseProgram(program.name());
     bind();
-    const glm::uvec2 groups = groupsFor(count_, queue_.name() != 0, limits_);
+    const glm::uvec2 groups = groupsFor(count_, raysPerLane_, limits_);
     std::vector<GpuTimer> timers;
     for (unsigned pass = 0; pass < passes; ++pass) {
         GpuTimer& timer = timers.emplace_back(software);
@@ -70,8 +81,7 @@ std::vector<double> GpuRays::trace(const GlProgram& program, unsigned passes, bo
         restartQueue();
         glDispatchCompute(groups.x, groups.y, 1);
         timer.end();
-        // Passes write the same hits and the same queue.
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT); // passes write the same hits
     }
     std::vector<double> elapsedMs;
     for (const GpuTimer& timer : timers) elapsedMs.push_back(timer.elapsedMs());

@@ -40,6 +40,7 @@ private:
     void restartQueue() const;
 
     GlLimits limits_;
+    unsigned raysPerLane_;
     std::uint64_t batchSize_;
     std::size_t hitBytes_;
     unsigned count_ = 0; // rays of the batch

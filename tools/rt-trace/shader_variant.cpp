@@ -24,8 +24,10 @@ ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const
 }
 
 ShaderText variantText(const ResourcePlan& plan) {
-    const bool render = plan.kind == ShaderKind::Render;
-    return variantText(plan, render ? "shaders/render.comp.glsl" : "shaders/query.comp.glsl", embeddedShader);
+    const char* const entry = plan.kind == ShaderKind::Render ? "shaders/render.comp.glsl"
+                              : plan.features.scatteredRays   ? "shaders/query_scattered.comp.glsl"
+                                                              : "shaders/query.comp.glsl";
+    return variantText(plan, entry, embeddedShader);
 }
 
 CompilingProgram startVariant(const ResourcePlan& plan) {

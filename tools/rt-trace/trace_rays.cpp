@@ -148,11 +148,9 @@ void writeReport(const TraceOptions& options, const GpuScene& scene, const Trace
 
 void traceRays(const TraceOptions& options) {
     StageTimer stages;
-    SharedSpan<std::byte> rayBytes;
-    std::span<const QueryRay> rays;
+    const SharedSpan<std::byte> rayBytes = readFile(options.raysPath);
+    const std::span<const QueryRay> rays = asRays(rayBytes, options.raysPath);
     const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
-        rayBytes = readFile(options.raysPath);
-        rays = asRays(rayBytes, options.raysPath);
         return {featuresFor(options, atlas, rays, limits)};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Query, choose, stages);

@@ -25,14 +25,14 @@ void copyOnAllCores(std::byte* target, std::span<const std::byte> bytes) {
 
 UploadRing::UploadRing(std::size_t pieceBytes)
     : pieceBytes_((pieceBytes + kPieceAlignment - 1) / kPieceAlignment * kPieceAlignment),
-      buffer_(createStagingBuffer(kPieces * pieceBytes_, mapped_)) {}
+      staging_(createStagingBuffer(kPieces * pieceBytes_)) {}
 
-// Returns the piece's offset in buffer_.
+// Returns the piece's offset in the ring.
 std::size_t UploadRing::fillPiece(std::span<const std::byte> bytes) {
     assert(bytes.size() <= pieceBytes_);
     taken_[piece_].wait();
     const std::size_t offset = piece_ * pieceBytes_;
-    copyOnAllCores(mapped_ + offset, bytes);
+    copyOnAllCores(staging_.mapped + offset, bytes);
     return offset;
 }
 
@@ -47,7 +47,7 @@ GlBuffer UploadRing::createBuffer(std::span<const std::byte> bytes) {
     for (std::size_t first = 0; first < bytes.size(); first += pieceBytes_) {
         const auto piece = bytes.subspan(first, std::min(pieceBytes_, bytes.size() - first));
         const std::size_t offset = fillPiece(piece);
-        glCopyNamedBufferSubData(buffer_.name(), buffer.name(), static_cast<GLintptr>(offset),
+        glCopyNamedBufferSubData(staging_.buffer.name(), buffer.name(), static_cast<GLintptr>(offset),
                                  static_cast<GLintptr>(first), static_cast<GLsizeiptr>(piece.size()));
         handOverPiece();
     }
@@ -61,7 +61,7 @@ void UploadRing::fillTexture(const GlTexture& texture, const glm::uvec3& size, G
     const std::size_t most = pieceBytes_ / (size.x * sizeof(std::uint32_t)); // rows
     assert(most > 0);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer_.name());
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, staging_.buffer.name());
     for (std::size_t row = 0; row < std::size_t(size.y) * size.z;) {
         const std::size_t y = row % size.y, z = row / size.y;
         const std::size_t rows = std::min(most, size.y - y); // all of a layer's where several layers fit
@@ -81,6 +81,7 @@ void UploadRing::fillTexture(const GlTexture& texture, const glm::uvec3& size, G
 
 void UploadRing::finish() {
     for (GlFence& fence : taken_) fence.wait();
+    checkGl("uploading the atlas");
 }
 
 } // namespace rt

@@ -30,8 +30,7 @@ private:
 
     static constexpr std::size_t kPieces = 4;
     std::size_t pieceBytes_;
-    GlBuffer buffer_;
-    std::byte* mapped_; // as long as buffer_ is there
+    StagingBuffer staging_;
     std::array<GlFence, kPieces> taken_;
     std::size_t piece_ = 0; // the next one to fill
 };
