@@ -31,6 +31,7 @@ RT_SHARED_BEGIN
 #define RT_TEXTURE_FIRST_VOXELS 1
 
 RT_SHARED_CONST uint kNoTriangle = 0xFFFFFFFFu;
+RT_SHARED_CONST uint kWalkCutShort = 0xFFFFFFFEu; // instead of a triangle: the device ended a loop too early
 
 // Triangle tests.
 RT_SHARED_CONST uint kIntersectWatertight = 0u;     // Woop, Benthin & Wald 2013
@@ -50,7 +51,7 @@ struct CameraParams {
 };
 
 struct QueryParams {
-    uvec4 count; // x rays of this dispatch; yzw = 0
+    uvec4 count; // x rays of this dispatch; y the most that a lane takes (scattered rays); zw = 0
 };
 
 // A point light as the shaders want it: distances are in atlas units, so intensities are those of the world

@@ -28,12 +28,14 @@ Ray toAtlas(QueryRay query, out real tScale) {
 #if RT_DOUBLE
 #define HitRecord QueryHitDouble
 const HitRecord kMiss = QueryHitDouble(-1.0LF, 0.0LF, 0.0LF, kNoTriangle, 0u);
+const HitRecord kCut = QueryHitDouble(-1.0LF, 0.0LF, 0.0LF, kWalkCutShort, 0u);
 HitRecord record(real t, Hit hit) {
     return QueryHitDouble(t, hit.u, hit.v, hit.triangle, 0u);
 }
 #else
 #define HitRecord QueryHit
 const HitRecord kMiss = QueryHit(uvec4(0xBF800000u, 0u, 0u, kNoTriangle)); // t = -1
+const HitRecord kCut = QueryHit(uvec4(0xBF800000u, 0u, 0u, kWalkCutShort));
 HitRecord record(real t, Hit hit) {
     return QueryHit(uvec4(floatBitsToUint(vec3(t, hit.u, hit.v)), hit.triangle));
 }

@@ -16,8 +16,6 @@ layout(local_size_x = RT_GROUP_X, local_size_y = 1) in;
 #include "shaders/lanes.glsl"
 
 const uint kEnoughIdle = 20u; // of 32 lanes; measured
-// Then another lane must go on: Mesa's software renderer, which has no subgroups, ends any loop after 65,535 rounds.
-const uint kMostRaysPerLane = kSubgroups ? 0xFFFFFFFFu : 2u;
 
 void main() {
     uint index = query.count.x; // of the ray that walks; none yet
@@ -28,7 +26,8 @@ void main() {
     w.entryAt = 0u;
     WorkCounters work;
     uint taken = 0u;
-    for (bool more = true; more;) {
+    bool more = true;
+    while (more) {
         bool refill = lanesWhere(!w.walking) * 32u >= lanesWhere(true) * kEnoughIdle;
         if (refill && !w.walking) {
             if (index < query.count.x) {
@@ -37,7 +36,7 @@ void main() {
                 counters[index] = uvec4(work.rays, work.steps, work.tests, 0u);
 #endif
             }
-            more = taken++ < kMostRaysPerLane;
+            more = taken++ < query.count.y;
             if (more) {
                 // Lanes that ask together get neighbours.
                 uint asking = activeLanes();
@@ -58,5 +57,5 @@ void main() {
             }
         }
         advance(w, kAnyHit, work);
-    }
+    }    if (kCutLoops && more && index < query.count.x) hits[index] = kCut;
 }

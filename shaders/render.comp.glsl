@@ -32,7 +32,8 @@ Pixel renderPixel(real3 direction, inout WorkCounters work) {
     Pixel pixel = Pixel(vec4(0.0f), vec4(0.0f), kNoTriangle);
     Pending stack[kStackSize];
     stack[0] = Pending(real3(camera.eye.xyz), direction, vec3(1.0f), 0u);
-    for (uint stackCount = 1u; stackCount > 0u;) {
+    uint stackCount = 1u;
+    while (stackCount > 0u) {
         Pending current = stack[--stackCount];
         Ray ray = Ray(current.origin, current.direction, 0.0f, kUnlimited);
         Hit hit = trace(ray, false, work);
@@ -50,6 +51,7 @@ Pixel renderPixel(real3 direction, inout WorkCounters work) {
         pixel.color.rgb += current.weight * localLight(s, work);
         pushChildren(current, s, stack, stackCount);
     }
+    if (kCutLoops && (walkCutShort || stackCount > 0u)) pixel.id = kWalkCutShort;
     return pixel;
 }
 

@@ -208,4 +208,6 @@ def make(path, kind, *arguments):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) < 3 or sys.argv[2] not in MAKERS:
+        sys.exit(__doc__.strip())
     make(*sys.argv[1:])

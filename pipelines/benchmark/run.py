@@ -173,7 +173,7 @@ class Benchmark:
         row |= {"ties": counts["ties"], "near_ties": counts["nearTies"]}
         row |= {key: counts[key] for key in ("grazing", "edges", "lost", "extra", "wrong")}
         self.rows.append(row)
-        self.log(f"    {row['set']:8}{row['mrays_per_s']:10.1f} Mrays/s {row['ratio']:8.2f} x Embree, at edges "
+        self.log(f"    {row['set']:8}{row['mrays_per_s']:10.1f} Mrays/s {row['ratio']:8.2f} x Embree, ties and edges "
                  f"{sum(row[key] for key in ('ties', 'near_ties', 'grazing', 'edges'))}")  # fmt: skip
         if failed:
             faults = ", ".join(f"{counts[key]} {key}" for key in ("lost", "extra", "wrong"))

@@ -79,7 +79,7 @@ TEST_F(TraceCommand, RendersEveryOutputAndTheFigures) {
     EXPECT_TRUE(json.at("device").is_string());
     EXPECT_EQ(json.at("atlas").at("triangles"), 1280);
     EXPECT_EQ(json.at("width"), 64);
-    EXPECT_EQ(json.at("features").size(), 13u);
+    EXPECT_EQ(json.at("features").size(), 14u);
 }
 
 TEST_F(TraceCommand, ReproduciblePicturesAreTheSameBytes) {
@@ -134,6 +134,27 @@ TEST_F(TraceCommand, TheOrderOfRaysDoesNotChangeAHit) {
     EXPECT_EQ(hits.size(), 99u * 16u);
     EXPECT_EQ(test::readText(out.file("scattered")), hits);
     EXPECT_EQ(test::readText(out.file("auto")), hits);
+}
+
+// Mesa's software renderer ends loops after 65,535 rounds.
+TEST_F(TraceCommand, WalksThatTheDeviceCutsShortAreALimitAndNoHits) {
+    writeMesh(out.file("s.rtmesh"), test::makeSphere(7)); // 327,680 triangles in one voxel
+    ASSERT_EQ(test::runCommand({RT_BIN_DIR "/rt-grid", out.file("s.rtmesh"), "-o", out.file("s.rtatlas"),
+                                "--structure", "uniform", "--resolution", "1"})
+                  .exitCode,
+              0);
+    spit(out.file("rays"), raysFromAllSides());
+    for (const std::string order : {"coherent", "scattered"}) {
+        const CommandResult result = trace({out.file("s.rtatlas"), "--rays", out.file("rays"), "-o",
+                                            out.file("hits"), "--ray-order", order, "--device", "software"});
+        EXPECT_EQ(result.exitCode, 5) << order;
+        EXPECT_THAT(result.err, HasSubstr("more steps and triangle tests"));
+        EXPECT_FALSE(std::filesystem::exists(out.file("hits")));
+    }
+    const CommandResult picture =
+        trace({out.file("s.rtatlas"), "-o", out.file("p.exr"), "--size", "8x8", "--device", "software"});
+    EXPECT_EQ(picture.exitCode, 5);
+    EXPECT_FALSE(std::filesystem::exists(out.file("p.exr")));
 }
 
 TEST_F(TraceCommand, PrecisionAndTriangleTestAreReportedAndAgree) {

@@ -51,10 +51,12 @@ std::vector<Record> traceVariant(const GlContext& context, const Atlas& atlas,
     features.doublePrecision = std::is_same_v<Record, QueryHitDouble>;
     features.intersect = settings.intersect;
     features.scatteredRays = scattered;
+    features.cutLoops = context.device().software;
     features.subgroups = scattered && context.limits().subgroups;
     const ResourcePlan plan = planResources(atlas, features, ShaderKind::Query, limits, "atlas");
     const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, "atlas", settings.pieceBytes);
-    GpuRays gpuRays(rays.size(), features, context.limits(), settings.maxBatch);
+    const std::optional<unsigned> several = features.subgroups ? std::nullopt : std::optional(3u);
+    GpuRays gpuRays(rays.size(), features, context.limits(), settings.maxBatch, several);
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();
     if (scattered) { // other hits, so that none of those wanted can be left over from before

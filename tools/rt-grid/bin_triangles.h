@@ -21,7 +21,7 @@ struct CellRefs {
 
 /// Voxels 2^level times finer than those of the layout, counted from the one at `first` on: what triangles
 /// are in them is computed in double from the layout's floats.
-class VoxelSpace {
+class RT_LANES_ALIGNED VoxelSpace {
 public:
     explicit VoxelSpace(const GridLayout& layout, int level = 0, const glm::ivec3& first = glm::ivec3(0))
         : lo_(lanesOf(glm::dvec3(layout.gridLo))),

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstring>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -11,9 +12,21 @@ using Lanes = double __attribute__((vector_size(32)));
 using IntLanes = int __attribute__((vector_size(16)));
 using BitLanes = long __attribute__((vector_size(32))); ///< what comparisons of Lanes give, 0 or -1, too
 
+/// For every type with members of these: code for wide registers expects them where such registers load from,
+/// but the type alone has that alignment only where the whole program is compiled for them.
+#define RT_LANES_ALIGNED alignas(sizeof(::rt::Lanes))
+
+struct RT_LANES_ALIGNED LanesTriple {
+    Lanes lanes[3];
+    const Lanes& operator[](std::size_t i) const { return lanes[i]; }
+    Lanes& operator[](std::size_t i) { return lanes[i]; }
+};
+
 /// Compiles a function, and all that is inlined into it, once more for processors with AVX2, and takes that
-/// where it runs. The results are the same: no operation is fused or reordered.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+/// where it runs. The results are the same: no operation is fused or reordered. Not without optimization,
+/// which inlines nothing.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) &&              \
+    !defined(__SANITIZE_ADDRESS__)
 #define RT_WIDE_LANES __attribute__((target_clones("default", "arch=x86-64-v3"), flatten))
 #else
 #define RT_WIDE_LANES

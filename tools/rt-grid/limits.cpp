@@ -11,7 +11,9 @@
 namespace rt {
 namespace {
 
+// Rounded up; small ones in KiB, so that they do not look like the limit that they exceed.
 std::string inMebibytes(std::uint64_t bytes) {
+    if (bytes < 16u << 20) return fmt::format("{} KiB", (bytes + 1023) >> 10);
     return fmt::format("{} MiB", (bytes + (1u << 20) - 1) >> 20);
 }
 

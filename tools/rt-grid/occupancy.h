@@ -90,7 +90,8 @@ private:
         glm::ivec3 lo, hi; // rows and bits of the window, both included
         bool empty() const { return lo.x > hi.x || lo.y > hi.y || lo.z > hi.z; }
     };
-    static constexpr BitLanes kFirstLanes[3] = {{-1, 0, 0, 0}, {-1, -1, 0, 0}, {-1, -1, -1, 0}};
+    RT_LANES_ALIGNED static constexpr BitLanes kFirstLanes[3] = {
+        {-1, 0, 0, 0}, {-1, -1, 0, 0}, {-1, -1, -1, 0}};
     static BitLanes fourRows(const std::uint64_t* rows) {
         BitLanes four;
         std::memcpy(&four, rows, sizeof four);

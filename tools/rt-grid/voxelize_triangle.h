@@ -11,7 +11,7 @@ namespace rt {
 
 /// A triangle in voxel coordinates: voxel (x, y, z) is the cube from (x, y, z) to (x+1, y+1, z+1). Lanes x, y
 /// and z of three corners; the last lane is finite.
-using VoxelTriangle = std::array<Lanes, 3>;
+using VoxelTriangle = LanesTriple;
 
 inline VoxelTriangle voxelTriangle(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     return {lanesOf(a), lanesOf(b), lanesOf(c)};
@@ -28,7 +28,7 @@ struct Indices {
 
 /// Indices from lo to hi, both included and not yet rounded to whole ones. Lane 0 is lo, lane 1 is -hi, the
 /// others are of no account.
-class Range {
+class RT_LANES_ALIGNED Range {
 public:
     explicit Range(const Lanes& loAndMinusHi) : bounds_(loAndMinusHi) {}
     bool empty() const { return bounds_[0] + bounds_[1] > 0.0; }
@@ -45,7 +45,7 @@ private:
 
 /// Four conditions lo <= slope * index + others <= hi, solved for the index. Any condition that the padded
 /// voxels of a triangle meet is sound, so rounded slopes lose nothing.
-class Conditions {
+class RT_LANES_ALIGNED Conditions {
 public:
     Conditions(const Lanes& slope, const Lanes& lo, const Lanes& hi)
         : inverse_(slope == 0.0 ? allLanes(kSteep) : 1.0 / slope), lo_(slope < 0.0 ? hi : lo),
@@ -68,7 +68,7 @@ private:
 
 /// Separating axes as conditions on a voxel's index: the triangle's and the padded voxel's shadows on an axis
 /// overlap if and only if lo <= dot(normal, index) <= hi.
-struct Shadows {
+struct RT_LANES_ALIGNED Shadows {
     Lanes lo;
     Lanes hi;
 
@@ -79,7 +79,7 @@ struct Shadows {
 
 /// What the corners have along one axis, the first one again at the end, and what the edges from each to the
 /// next one have.
-struct Component {
+struct RT_LANES_ALIGNED Component {
     Lanes corner;
     Lanes edge;
 
@@ -89,7 +89,7 @@ struct Component {
 
 /// The axes across the edges and one coordinate axis: the 2D test of the triangle's and the voxel's
 /// projections to the plane of the axes u and v. The last lane repeats the first one.
-struct EdgeAxes {
+struct RT_LANES_ALIGNED EdgeAxes {
     Lanes normalU;
     Lanes normalV;
     Shadows shadows;
@@ -105,7 +105,7 @@ private:
 };
 
 /// The edges' conditions on (u, v), and that u is in the box: solved for u.
-class RowSolver {
+class RT_LANES_ALIGNED RowSolver {
 public:
     RowSolver(const Component& u, const Component& v, const Indices& boxU, double pad)
         : RowSolver(EdgeAxes(u, v, pad), boxU) {}
@@ -130,7 +130,7 @@ inline Shadows planeShadows(const Component& u, const Component& v, const Compon
 }
 
 /// The plane's condition and those of the edges seen along v: solved for w.
-class ColumnSolver {
+class RT_LANES_ALIGNED ColumnSolver {
 public:
     ColumnSolver(const Component& u, const Component& v, const Component& w, const glm::dvec3& normal,
                  double pad)
@@ -149,7 +149,7 @@ private:
 };
 
 /// x, y and z, each of all three corners and then of the first one again.
-inline std::array<Lanes, 3> transposed(const VoxelTriangle& t) {
+inline LanesTriple transposed(const VoxelTriangle& t) {
     const Lanes abXZ = __builtin_shufflevector(t[0], t[1], 0, 4, 2, 6);
     const Lanes abY = __builtin_shufflevector(t[0], t[1], 1, 5, 3, 7);
     const Lanes caXZ = __builtin_shufflevector(t[2], t[0], 0, 4, 2, 6);
@@ -283,7 +283,7 @@ inline std::uint64_t SmallBox::nearPlane(const std::array<Component, 3>& xyz, co
 }
 
 inline std::uint64_t SmallBox::voxelsOf(const VoxelTriangle& t) const {
-    const std::array<Lanes, 3> corners = transposed(t);
+    const LanesTriple corners = transposed(t);
     const std::array<Component, 3> xyz{Component(corners[0]), Component(corners[1]), Component(corners[2])};
     const std::uint64_t met = all() & seenAlong<0>(xyz) & seenAlong<1>(xyz) & seenAlong<2>(xyz);
     return box_.longAxes == 7 ? met & nearPlane(xyz, normalOf(t)) : met;
@@ -296,13 +296,13 @@ struct Turned {
     Indices boxU, boxV, boxW;
     std::uint32_t strideU, strideV, strideW;
 
-    Turned(const std::array<Lanes, 3>& xyz, const Box& box, const std::array<std::uint32_t, 3>& strides,
+    Turned(const LanesTriple& xyz, const Box& box, const std::array<std::uint32_t, 3>& strides,
            std::size_t last)
         : Turned(xyz, box, strides, (last + 1) % 3, (last + 2) % 3, last) {}
 
 private:
-    Turned(const std::array<Lanes, 3>& xyz, const Box& box, const std::array<std::uint32_t, 3>& strides,
-           std::size_t i, std::size_t j, std::size_t k)
+    Turned(const LanesTriple& xyz, const Box& box, const std::array<std::uint32_t, 3>& strides, std::size_t i,
+           std::size_t j, std::size_t k)
         : u(xyz[i]), v(xyz[j]), w(xyz[k]), boxU(box.along(i)), boxV(box.along(j)), boxW(box.along(k)),
           strideU(strides[i]), strideV(strides[j]), strideW(strides[k]) {}
 };

@@ -1,7 +1,10 @@
 #include "tools/rt-trace/load_scene.h"
 
+#include "common/error.h"
 #include "formats/parallel_check.h"
 #include "tools/rt-trace/shader_variant.h"
+
+#include <fmt/format.h>
 
 namespace rt {
 namespace {
@@ -19,6 +22,7 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     SceneNeeds needs = choose(file.atlas, limits);
     needs.features.doublePrecision = options.doublePrecision;
     needs.features.intersect = options.intersect;
+    needs.features.cutLoops = scene.context->device().software;
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
     scene.plan.features.countWork = 0;
     stages.begin("compile");
@@ -48,6 +52,14 @@ GpuScene loadScene(const TraceOptions& options, ShaderKind kind, const ChooseNee
     stages.end();
     stages.add("load", endMs - startMs);
     return scene;
+}
+
+void requireWholeWalks(std::size_t cutShort, const char* what, const std::string& name) {
+    if (cutShort == 0) return;
+    throw Error(ErrorKind::LimitExceeded,
+                fmt::format("{}: {} {} need more steps and triangle tests than this software renderer does; "
+                            "make the atlas with --structure nested or a higher --resolution",
+                            name, cutShort, what));
 }
 
 } // namespace rt

@@ -33,4 +33,8 @@ using ChooseNeeds = std::function<SceneNeeds(const Atlas& atlas, const GlLimits&
 GpuScene loadScene(const TraceOptions& options, ShaderKind kind, const ChooseNeeds& choose,
                    StageTimer& stages);
 
+/// Throws Error{LimitExceeded} if `cutShort`, the number of `what` ("rays", "pixels") that say kWalkCutShort,
+/// is not 0.
+void requireWholeWalks(std::size_t cutShort, const char* what, const std::string& name);
+
 } // namespace rt

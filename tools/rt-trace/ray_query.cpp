@@ -13,12 +13,15 @@ namespace {
 constexpr std::uint64_t kMostRays = 1u << 24; // of a batch: 768 MiB of rays and hits
 constexpr const char* kFewerRays = "lower rt-grid's --resolution or trace fewer rays at a time";
 
-// How many scattered rays an invocation takes from the queue, on average. Few enough that all lanes of a
-// device have work, many enough that they get some more when they are done. One where lanes do not know of
-// each other: see the shader.
-unsigned raysPerLane(const SceneFeatures& features) {
-    constexpr unsigned kRaysPerLane = 4;
-    return features.scatteredRays && features.subgroups ? kRaysPerLane : 1;
+// How many scattered rays an invocation takes from the queue. Few enough that all lanes of a device have
+// work, many enough that they get some more when they are done. One where lanes do not know of each other,
+// which is where Mesa's software renderer ends the loops of an invocation after 65,535 rounds.
+struct RaysPerLane {
+    unsigned average;
+    unsigned most;
+};
+RaysPerLane raysPerLane(const SceneFeatures& features) {
+    return features.scatteredRays && features.subgroups ? RaysPerLane{4, ~0u} : RaysPerLane{1, 1};
 }
 
 glm::uvec2 groupsFor(unsigned rays, unsigned perLane, const GlLimits& limits) {
@@ -35,8 +38,9 @@ void bindStorage(GLuint binding, const GlBuffer& buffer) {
 } // namespace
 
 GpuRays::GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
-                 std::uint64_t maxBatch)
-    : limits_(limits), raysPerLane_(raysPerLane(features)),
+                 std::uint64_t maxBatch, std::optional<unsigned> mostRaysPerLane)
+    : limits_(limits), raysPerLane_(raysPerLane(features).average),
+      mostRaysPerLane_(mostRaysPerLane.value_or(raysPerLane(features).most)),
       hitBytes_(features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit)) {
     const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
     const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
@@ -50,7 +54,7 @@ GpuRays::GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const Gl
 
 void GpuRays::upload(std::span<const QueryRay> rays) {
     count_ = static_cast<unsigned>(rays.size());
-    const QueryParams params{{count_, 0, 0, 0}};
+    const QueryParams params{{count_, mostRaysPerLane_, 0, 0}};
     updateBuffer(params_, std::as_bytes(std::span(&params, 1)));
     updateBuffer(rays_, std::as_bytes(rays));
 }

@@ -5,6 +5,7 @@
 #include "tools/rt-trace/scene_features.h"
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,9 +16,10 @@ namespace rt {
 class GpuRays {
 public:
     /// Makes room for batches of `rayCount` rays or of as many as a batch may have, and for what variants
-    /// with these features need besides. `maxBatch` lowers the batches' size (tests).
+    /// with these features need besides. Tests may lower the batches' size, and say how many scattered rays
+    /// a lane may take one after the other.
     GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
-            std::uint64_t maxBatch = ~std::uint64_t(0));
+            std::uint64_t maxBatch = ~std::uint64_t(0), std::optional<unsigned> mostRaysPerLane = {});
 
     std::uint64_t batchSize() const { return batchSize_; }
     /// Replaces the batch; at most batchSize() rays.
@@ -40,7 +42,8 @@ private:
     void restartQueue() const;
 
     GlLimits limits_;
-    unsigned raysPerLane_;
+    unsigned raysPerLane_; // on average
+    unsigned mostRaysPerLane_;
     std::uint64_t batchSize_;
     std::size_t hitBytes_;
     unsigned count_ = 0; // rays of the batch

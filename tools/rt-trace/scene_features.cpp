@@ -16,6 +16,8 @@ std::span<const FeatureRow> featureTable() {
          "neighbours among the rays go different ways, or --ray-order says so"},
         {"RT_SUBGROUPS", &SceneFeatures::subgroups,
          "the device says which invocations run side by side, and scattered rays want to know"},
+        {"RT_CUT_LOOPS", &SceneFeatures::cutLoops,
+         "the device is software, which ends loops after 65,535 rounds"},
         {"RT_COUNT_WORK", &SceneFeatures::countWork, "--stats was asked for"},
         {"RT_HAS_TEXTURES", &SceneFeatures::hasTextures, "a material in use has a base-colour image"},
         {"RT_HAS_REFLECTION", &SceneFeatures::hasReflection, "a material in use reflects"},

@@ -41,17 +41,16 @@ struct Traced {
         return passesMs.size() % 2 ? passesMs[half] : 0.5 * (passesMs[half - 1] + passesMs[half]);
     }
     std::size_t rayCount() const { return hits.size() / hitBytes; }
-    std::size_t hitCount() const {
+    /// Records whose triangle is `id`.
+    std::size_t count(std::uint32_t id) const {
         const std::size_t idOffset =
             hitBytes == sizeof(QueryHit) ? offsetof(QueryHit, tuvId.w) : offsetof(QueryHitDouble, triangle);
-        std::size_t count = 0;
-        for (std::size_t at = idOffset; at < hits.size(); at += hitBytes) {
-            std::uint32_t triangle;
-            std::memcpy(&triangle, &hits[at], sizeof triangle);
-            count += triangle != kNoTriangle;
-        }
-        return count;
+        std::size_t found = 0;
+        for (std::size_t at = idOffset; at < hits.size(); at += hitBytes)
+            found += std::memcmp(&hits[at], &id, sizeof id) == 0;
+        return found;
     }
+    std::size_t hitCount() const { return rayCount() - count(kNoTriangle); }
 };
 
 std::vector<double> timedPasses(const GpuRays& rays, const GlProgram& program, bool software,
@@ -155,11 +154,15 @@ void traceRays(const TraceOptions& options) {
     };
     const GpuScene scene = loadScene(options, ShaderKind::Query, choose, stages);
     const Traced traced = trace(options, scene, rays, stages);
+    requireWholeWalks(traced.count(kWalkCutShort), "rays", options.scenePath);
     stages.begin("write");
     writeFile(options.outputPaths[0], std::as_bytes(std::span(traced.hits)));
     stages.end();
-    logInfo(fmt::format("{} rays, {} hits, {:.3f} ms, {:.1f} Mrays/s", rays.size(), traced.hitCount(),
-                        traced.medianMs(), mraysPerSecond(rays.size(), traced.medianMs())));
+    std::string figures =
+        fmt::format("{} rays, {} hits, {:.3f} ms", rays.size(), traced.hitCount(), traced.medianMs());
+    if (!rays.empty())
+        figures += fmt::format(", {:.1f} Mrays/s", mraysPerSecond(rays.size(), traced.medianMs()));
+    logInfo(figures);
     logStages(stages);
     writeReport(options, scene, traced, stages);
 }

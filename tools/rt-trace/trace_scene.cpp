@@ -11,6 +11,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 namespace rt {
 namespace {
 
@@ -77,6 +79,9 @@ Rendered render(const TraceOptions& options, const GpuScene& scene, const Scener
     stages.begin("readback");
     rendered.pixels = film.read();
     stages.end();
+    const std::vector<std::uint32_t>& ids = rendered.pixels.ids;
+    requireWholeWalks(static_cast<std::size_t>(std::count(ids.begin(), ids.end(), kWalkCutShort)), "pixels",
+                      options.scenePath);
     if (options.stats) rendered.work = countRenderWork(options, scene.plan, context, view);
     return rendered;
 }
