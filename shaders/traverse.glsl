@@ -105,6 +105,9 @@ bool endsAt(GridRay g, real t, ivec3 at, Hit best) {
     return t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || any(greaterThanEqual(at, g.size));
 }
 
+// Set where a walk was ended by the device, which some do after a number of rounds, and not by itself.
+bool walkCutShort = false;
+
 // Tests a leaf's list. Returns the word that then holds for its voxel as for an empty one.
 uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout WorkCounters work) {
     uint at = leafList(leaf);
@@ -117,11 +120,9 @@ uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout Wor
         if (entry >= kLastInList) break;
         entry = next;
     }
+    if (kCutLoops && entry < kLastInList) walkCutShort = true;
     return exitBox;
 }
-
-// Set where a walk was ended by the device, which some do after a number of rounds, and not by itself.
-bool walkCutShort = false;
 
 // `ray` starts in the grid, or so little before it that its first voxel is at the border. anyHit: returns the first hit that is found.
 Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
