@@ -1,5 +1,6 @@
 #include "tests/support/make_mesh.h"
 
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -76,6 +77,26 @@ Mesh makeSphere(int subdivisions, float radius) {
     std::vector<glm::vec3> normals = vertices;
     for (glm::vec3& v : vertices) v *= radius;
     return withGreyMaterial(std::move(vertices), std::move(normals), std::move(triangles));
+}
+
+Mesh makeTorus(float radius, float tube, int around, int across) {
+    constexpr float kTurn = 6.2831853f;
+    std::vector<glm::vec3> positions, normals;
+    std::vector<glm::uvec3> triangles;
+    for (int i = 0; i < around; ++i)
+        for (int j = 0; j < across; ++j) {
+            const float a = kTurn * static_cast<float>(i) / static_cast<float>(around);
+            const float b = kTurn * static_cast<float>(j) / static_cast<float>(across);
+            const glm::vec3 outward(std::cos(a), std::sin(a), 0.0f);
+            normals.push_back(outward * std::cos(b) + glm::vec3(0.0f, 0.0f, std::sin(b)));
+            positions.push_back(outward * radius + normals.back() * tube);
+            const auto at = [&](int k, int l) {
+                return static_cast<std::uint32_t>((k % around) * across + l % across);
+            };
+            triangles.emplace_back(at(i, j), at(i + 1, j), at(i + 1, j + 1));
+            triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
+        }
+    return withGreyMaterial(std::move(positions), std::move(normals), std::move(triangles));
 }
 
 Mesh makeBox(const glm::vec3& lo, const glm::vec3& hi) {

@@ -20,6 +20,10 @@ Mesh makeTriangles(const std::vector<glm::vec3>& corners);
 /// shared vertices, smooth outward normals.
 Mesh makeSphere(int subdivisions, float radius = 1.0f);
 
+/// Closed torus around the z axis: `around` times `across` quads of two triangles, shared vertices, smooth
+/// outward normals. `radius` is that of the tube's middle, `tube` the tube's own.
+Mesh makeTorus(float radius, float tube, int around, int across);
+
 /// Closed box of 12 triangles, 24 vertices, flat outward normals.
 Mesh makeBox(const glm::vec3& lo, const glm::vec3& hi);
 
