@@ -57,5 +57,6 @@ void main() {
             }
         }
         advance(w, kAnyHit, work);
-    }    if (kCutLoops && more && index < query.count.x) hits[index] = kCut;
+    }
+    if (kCutLoops && more && index < query.count.x) hits[index] = kCut;
 }

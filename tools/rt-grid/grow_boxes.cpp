@@ -1,6 +1,7 @@
 #include "tools/rt-grid/grow_boxes.h"
 
 #include "tools/rt-grid/grow_exits.h"
+#include "tools/rt-grid/lanes.h"
 #include "tools/rt-grid/occupancy.h"
 
 #include <tbb/enumerable_thread_specific.h>

@@ -1,5 +1,6 @@
 #include "tools/rt-grid/grow_exits.h"
 
+#include "tools/rt-grid/lanes.h"
 #include "tools/rt-grid/triangle_lists.h"
 
 #include <algorithm>

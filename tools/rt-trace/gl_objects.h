@@ -70,7 +70,7 @@ inline constexpr std::uint64_t kReadableBeyond = 16; ///< bytes
 
 /// A buffer that holds `bytes`; shaders may read kReadableBeyond bytes more, whatever they find there.
 GlBuffer createBuffer(std::span<const std::byte> bytes);
-/// A buffer of `size` bytes for shaders to write.
+/// A buffer of `size` bytes that only the device writes: shaders, or copies from another buffer.
 GlBuffer createOutputBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);
 /// A buffer of `size` bytes for updateBuffer() to change.
 GlBuffer createDynamicBuffer(std::uint64_t size, const char* remedy = kSmallerAtlas);

@@ -1,5 +1,7 @@
 #include "tools/rt-trace/report.h"
 
+#include "tools/rt-trace/load_scene.h"
+
 #include <nlohmann/json.hpp>
 
 #include <limits>

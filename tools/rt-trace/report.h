@@ -1,13 +1,14 @@
 #pragma once
 #include "common/stage_timer.h"
 #include "tools/rt-trace/camera.h"
-#include "tools/rt-trace/load_scene.h"
 #include "tools/rt-trace/render.h"
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 namespace rt {
+
+struct GpuScene;
 
 /// Adds what pictures and ray queries have in common: the device, the atlas, the features with their reasons,
 /// and `loadMs`, `uploadMs`, ... for each stage.
