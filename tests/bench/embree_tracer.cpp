@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 
@@ -57,6 +58,53 @@ QueryHit anyHitOf(RTCScene scene, const QueryRay& ray) {
     return query.tfar < 0.0f ? makeHit(0.0f, 0.0f, 0.0f, 0) : makeHit(-1.0f, 0.0f, 0.0f, kNoTriangle);
 }
 
+constexpr std::size_t kPacket = 16;
+
+void setRay(RTCRayHit16& packet, std::size_t i, const RTCRay& ray) {
+    RTCRay16& r = packet.ray;
+    r.org_x[i] = ray.org_x;
+    r.org_y[i] = ray.org_y;
+    r.org_z[i] = ray.org_z;
+    r.dir_x[i] = ray.dir_x;
+    r.dir_y[i] = ray.dir_y;
+    r.dir_z[i] = ray.dir_z;
+    r.tnear[i] = ray.tnear;
+    r.tfar[i] = ray.tfar;
+    r.time[i] = ray.time;
+    r.mask[i] = ray.mask;
+    r.flags[i] = r.id[i] = 0;
+    packet.hit.geomID[i] = packet.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+}
+
+// Up to kPacket rays at once. The hits are only for Embree itself: nobody reads them.
+void tracePacket(RTCScene scene, std::span<const QueryRay> rays, bool anyHit) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    alignas(64) std::array<int, kPacket> valid{};
+    alignas(64) RTCRayHit16 query;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        valid[i] = -1;
+        setRay(query, i, toEmbree(rays[i]));
+    }
+    if (anyHit)
+        rtcOccluded16(valid.data(), scene, &context, &query.ray);
+    else
+        rtcIntersect16(valid.data(), scene, &context, &query);
+}
+
+template <class F>
+double medianPassMs(unsigned repeat, std::size_t count, F&& traceRange) {
+    std::vector<double> passesMs;
+    for (unsigned i = 0; i < repeat; ++i) {
+        const Clock::time_point start = Clock::now();
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1024),
+                          [&](const auto& range) { traceRange(range.begin(), range.end()); });
+        passesMs.push_back(msSince(start));
+    }
+    return medianOf(passesMs);
+}
+
 } // namespace
 
 struct EmbreeTracer::Scene {
@@ -94,18 +142,18 @@ EmbreeTracer::~EmbreeTracer() = default;
 EmbreeTracer::Traced EmbreeTracer::trace(std::span<const QueryRay> rays, bool anyHit, unsigned repeat) const {
     Traced traced;
     traced.hits.resize(rays.size());
-    std::vector<double> passesMs;
-    for (unsigned i = 0; i < repeat; ++i) {
-        const Clock::time_point start = Clock::now();
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
-            for (std::size_t r = range.begin(); r < range.end(); ++r)
-                traced.hits[r] =
-                    anyHit ? anyHitOf(scene_->scene, rays[r]) : nearestHit(scene_->scene, rays[r]);
-        });
-        passesMs.push_back(msSince(start));
-    }
-    traced.passMs = medianOf(passesMs);
+    traced.passMs = medianPassMs(repeat, rays.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; ++r)
+            traced.hits[r] = anyHit ? anyHitOf(scene_->scene, rays[r]) : nearestHit(scene_->scene, rays[r]);
+    });
     return traced;
+}
+
+double EmbreeTracer::packetPassMs(std::span<const QueryRay> rays, bool anyHit, unsigned repeat) const {
+    return medianPassMs(repeat, rays.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t r = begin; r < end; r += kPacket)
+            tracePacket(scene_->scene, rays.subspan(r, std::min(kPacket, end - r)), anyHit);
+    });
 }
 
 std::string EmbreeTracer::version() {

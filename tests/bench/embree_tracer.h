@@ -29,6 +29,9 @@ public:
     };
     Traced trace(std::span<const QueryRay> rays, bool anyHit, unsigned repeat) const;
 
+    /// The same for 16 rays at a time, which is faster where neighbours go about the same way.
+    double packetPassMs(std::span<const QueryRay> rays, bool anyHit, unsigned repeat) const;
+
     static std::string version();
 
 private:
