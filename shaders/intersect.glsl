@@ -67,26 +67,31 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
 Hit intersectMollerTrumbore(Ray ray, TriangleRecord triangle, Hit best) {
     real3 v0 = real3(triangle.v0.xyz);
     real3 edge1 = real3(triangle.v1.xyz) - v0, edge2 = real3(triangle.v2.xyz) - v0;
-    real3 p = cross(ray.direction, edge2);
-    real inverse = 1.0f / dot(edge1, p); // infinite if edge-on: no comparison below holds then
+    real3 p = fixedCross(ray.direction, edge2);
+    precise real inverse = 1.0f / fixedDot(edge1, p); // infinite if edge-on: no comparison below holds then
     real3 fromV0 = ray.origin - v0;
-    real u = dot(fromV0, p) * inverse;
-    real3 q = cross(fromV0, edge1);
-    real v = dot(ray.direction, q) * inverse;
-    real t = dot(edge2, q) * inverse;
+    precise real u = fixedDot(fromV0, p) * inverse;
+    real3 q = fixedCross(fromV0, edge1);
+    precise real v = fixedDot(ray.direction, q) * inverse;
+    precise real t = fixedDot(edge2, q) * inverse;
     uint id = floatBitsToUint(triangle.v0.w);
     bool nearer = t < best.t || (t == best.t && id < best.triangle);
     if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= ray.tMin && nearer) best = Hit(t, u, v, id);
     return best;
 }
 
+real fixedAffine(vec4 row, real3 point) {
+    precise real sum = fma(real(row.x), point.x, fma(real(row.y), point.y, fma(real(row.z), point.z, real(row.w))));
+    return sum;
+}
+
 // Baldwin & Weber 2016: into the space where the triangle is (0,0), (1,0), (0,1), by a stored transform.
 Hit intersectTransformed(Ray ray, TriangleTransform triangle, uint id, Hit best) {
-    real toPlane = dot(real3(triangle.plane.xyz), ray.origin) + triangle.plane.w;
-    real t = -toPlane / dot(real3(triangle.plane.xyz), ray.direction);
-    real3 point = ray.origin + ray.direction * t;
-    real u = dot(real3(triangle.u.xyz), point) + triangle.u.w;
-    real v = dot(real3(triangle.v.xyz), point) + triangle.v.w;
+    real toPlane = fixedAffine(triangle.plane, ray.origin);
+    precise real t = -toPlane / fixedDot(real3(triangle.plane.xyz), ray.direction);
+    precise real3 point = fma(ray.direction, real3(t), ray.origin);
+    real u = fixedAffine(triangle.u, point);
+    real v = fixedAffine(triangle.v, point);
     bool nearer = t < best.t || (t == best.t && id < best.triangle);
     if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= ray.tMin && nearer) best = Hit(t, u, v, id);
     return best;

@@ -4,14 +4,37 @@
 const real kNever = 1e30f;
 
 // A ray in the grid. Coordinates count the finest voxels that there may be, and each axis along which the ray runs
-// backwards is turned round, so that all directions are >= 0: x' = size - x. position = origin + t * direction.
+// backwards is turned round, so that all directions are >= 0: x' = mirrorSide() - x. position = origin + t * direction.
 struct GridRay {
     real3 origin;
     real3 direction;
     real3 inverse; // 1 / direction; kNever where the direction is 0
-    ivec3 turned; // -1 where the axis is turned round, else 0
-    ivec3 size; // of the grid
+    ivec3 toVoxel; // bits to flip in a place for its voxel
 };
+
+// A place is a voxel's whole coordinate, 0 to 2^22, as the bits of the float 2^23 + coordinate: a float becomes a place, and
+// back, by an addition, where conversions take a GPU several times as long. Places can be compared, added to and shifted like
+// numbers. In double precision they are plain numbers.
+#if RT_DOUBLE
+const int kPlaceZero = 0;
+ivec3 placeAt(real3 position) {
+    return ivec3(floor(position));
+}
+real3 positionOf(ivec3 place) {
+    return real3(place);
+}
+#else
+const int kPlaceZero = 0x4B000000; // bits of 2^23
+// Rounds to the nearest whole number of position - 0.5, which on a voxel's face may be the voxel on either side.
+ivec3 placeAt(real3 position) {
+    precise real3 shifted = position + 8388607.5f;
+    return floatBitsToInt(shifted);
+}
+real3 positionOf(ivec3 place) {
+    precise real3 position = intBitsToFloat(place) - 8388608.0f;
+    return position;
+}
+#endif
 
 // Distance at which the ray enters the box [lo, hi] (x) and leaves it (y); x > y if it misses.
 real2 boxSpan(Ray ray, real3 lo, real3 hi) {
@@ -39,6 +62,13 @@ int finestLevel() {
     return finestLevelOf(max(grid.dims.x, max(grid.dims.y, grid.dims.z)));
 }
 
+// A power of two, so that turning round a voxel's coordinate is flipping its bits; at least the grid's longest side, and 16
+// for freeAhead().
+int mirrorSide() {
+    if (kStructure == kStructureNested) return int(kMaxFinestSide);
+    return 1 << max(findMSB(max(grid.dims.x, max(grid.dims.y, grid.dims.z)) - 1u) + 1, 4);
+}
+
 // `base` is the ray moved to where it enters the grid.
 GridRay toGridRay(Ray base) {
     GridRay g;
@@ -50,24 +80,34 @@ GridRay toGridRay(Ray base) {
     bvec3 backwards = lessThan(direction, real3(0.0f));
     // A ray that runs inside a voxel face is kept in the middle of its voxels, where no exit plane is 0 away.
     origin = mix(origin, floor(clamp(origin, real3(0.0f), size - 1.0f)) + 0.5f, still);
-    g.origin = mix(origin, size - origin, backwards);
+    g.origin = mix(origin, real(mirrorSide()) - origin, backwards);
     g.direction = abs(direction);
     g.inverse = mix(1.0f / g.direction, real3(kNever), still);
-    g.turned = mix(ivec3(0), ivec3(-1), backwards);
-    g.size = ivec3(size);
+    g.toVoxel = mix(ivec3(kPlaceZero), ivec3(kPlaceZero + mirrorSide() - 1), backwards);
     return g;
 }
 
-ivec3 firstVoxel(GridRay g, real tMin) {
+// The place where the walk begins.
+ivec3 firstPlace(GridRay g, real tMin) {
     real t = max(tMin, 0.0f) * (1.0f - 2.0f * gammaBound(3.0f));
-    return clamp(ivec3(g.origin + g.direction * t), ivec3(0), g.size - 1);
+    ivec3 size = ivec3(grid.dims.xyz) << finestLevel();
+    ivec3 least = mix(ivec3(kPlaceZero), kPlaceZero + mirrorSide() - size, notEqual(g.toVoxel, ivec3(kPlaceZero)));
+    return clamp(placeAt(fma(g.direction, real3(t), g.origin)), least, least + size - 1);
 }
 
-// The word of the empty voxel or leaf at the finest voxel `at`; it is 2^sizeShift of those wide.
-uint lookUp(GridRay g, ivec3 at, out int sizeShift) {
-    ivec3 voxel = (at ^ g.turned) + (g.size & g.turned);
+// The grid's voxel that the finest voxel is in; behind the grid it has a coordinate that is, without a sign, too large.
+ivec3 gridVoxel(ivec3 finest) {
+    return finest >> finestLevel();
+}
+
+bool isInGrid(ivec3 gridVoxel) {
+    return all(lessThan(uvec3(gridVoxel), grid.dims.xyz));
+}
+
+// The word of the empty voxel or leaf at the finest voxel `voxel`; it is 2^sizeShift of those wide.
+uint lookUp(ivec3 voxel, out int sizeShift) {
     sizeShift = finestLevel();
-    uint word = loadVoxel(voxel >> sizeShift);
+    uint word = loadVoxel(gridVoxel(voxel));
 #if RT_STRUCTURE == 3 // kStructureNested: loadBrick() exists
     while (isBrick(word)) {
         int shift = brickShift(word);
@@ -83,26 +123,26 @@ uint lookUp(GridRay g, ivec3 at, out int sizeShift) {
 ivec3 freeAhead(GridRay g, uint emptyWord) {
     if (kStructure == kStructureUniform) return ivec3(0);
     if (kStructure == kStructureCloud) return ivec3(max(int(emptyWord), 1) - 1);
-    ivec3 place = ivec3(5, 15, 25) + 5 * g.turned; // of the bits of the sides that the ray runs to
-    return ivec3(bitfieldExtract(emptyWord, place.x, 5), bitfieldExtract(emptyWord, place.y, 5), bitfieldExtract(emptyWord, place.z, 5));
+    // First bits of the extents to the sides that the ray runs to: 5, 15 and 25, or 0, 10 and 20 where the axis is turned.
+    ivec3 first = ivec3(5, 15, 25) ^ (g.toVoxel & ivec3(5, 5, 13));
+    return ivec3(emptyWord >> first.x, emptyWord >> first.y, emptyWord >> first.z) & 31;
 }
 
-// Moves `at` behind the exit face of the free box round its voxel; returns the distance at which the ray gets there.
+// Moves the place `at` behind the exit face of the free box round its voxel; returns the distance at which the ray gets there.
 real leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
     ivec3 end = ((at >> sizeShift) + freeAhead(g, emptyWord) + 1) << sizeShift;
-    real3 exits = (real3(end) - g.origin) * g.inverse;
+    real3 exits = (positionOf(end) - g.origin) * g.inverse;
     real t = min(exits.x, min(exits.y, exits.z));
-    // Never back, never out of the box but through its exit face: rounding must not revisit a voxel for ever.
-    ivec3 inside = min(max(ivec3(g.origin + g.direction * t), at), end - 1);
-    bvec3 leaves = bvec3(exits.x == t, exits.x != t && exits.y == t, exits.x != t && exits.y != t);
-    at = mix(inside, end, leaves);
+    // Never back, never out of the box but through its exit face, or faces: rounding must not revisit a voxel for ever.
+    ivec3 inside = min(max(placeAt(fma(g.direction, real3(t), g.origin)), at), end - 1);
+    at = mix(inside, end, equal(exits, real3(t)));
     return t;
 }
 
-// Whether a walk that has come to `at` at distance t is over. A triangle may be hit beyond its voxel; the hit stands unless
-// a nearer one can still come.
-bool endsAt(GridRay g, real t, ivec3 at, Hit best) {
-    return t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || any(greaterThanEqual(at, g.size));
+// Whether a walk that has come to the finest voxel `voxel` at distance t is over. A triangle may be hit beyond its voxel; the
+// hit stands unless a nearer one can still come.
+bool endsAt(real t, ivec3 voxel, Hit best) {
+    return t > best.t * (1.0f + 2.0f * gammaBound(3.0f)) || !isInGrid(gridVoxel(voxel));
 }
 
 // Set where a walk was ended by the device, which some do after a number of rounds, and not by itself.
@@ -128,13 +168,14 @@ uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout Wor
 Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
     GridRay g = toGridRay(ray);
     RayShear shear = shearAlong(ray.direction);
-    ivec3 at = firstVoxel(g, ray.tMin);
+    ivec3 at = firstPlace(g, ray.tMin);
+    ivec3 voxel = at ^ g.toVoxel;
     Hit best = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
     bool over = false;
     for (;;) {
         if (kCountWork) work.steps += 1u;
         int sizeShift;
-        uint word = lookUp(g, at, sizeShift);
+        uint word = lookUp(voxel, sizeShift);
         if (word >= kOccupiedBit) {
             word = intersectList(ray, shear, word, best, work);
             if (anyHit && best.triangle != kNoTriangle) {
@@ -142,7 +183,9 @@ Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
                 break;
             }
         }
-        if (endsAt(g, leap(g, word, sizeShift, at), at, best)) {
+        real t = leap(g, word, sizeShift, at);
+        voxel = at ^ g.toVoxel;
+        if (endsAt(t, voxel, best)) {
             if (kCutLoops) over = true;
             break;
         }

@@ -6,7 +6,7 @@ struct Walk {
     Ray ray;
     RayShear shear;
     GridRay g;
-    ivec3 at; // finest voxel
+    ivec3 at; // a place, see traverse.glsl
     int sizeShift; // the voxel there is 2^sizeShift of those wide; -1: nobody has looked yet
     uint word; // of that voxel, as if it were empty
     uint entry; // of its list, to be tested next
@@ -18,15 +18,17 @@ struct Walk {
 // `ray` as for walkGrid().
 Walk beginWalk(Ray ray) {
     GridRay g = toGridRay(ray);
-    return Walk(ray, shearAlong(ray.direction), g, firstVoxel(g, ray.tMin), -1, 0u, 0u, 0u, true, Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle));
+    return Walk(ray, shearAlong(ray.direction), g, firstPlace(g, ray.tMin), -1, 0u, 0u, 0u, true, Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle));
 }
 
 // Leaves the voxel, whose list has been tested, and looks at the next one.
 void stepOn(inout Walk w, inout WorkCounters work) {
-    if (w.sizeShift >= 0 && endsAt(w.g, leap(w.g, w.word, w.sizeShift, w.at), w.at, w.best)) w.walking = false;
+    real t = w.sizeShift >= 0 ? leap(w.g, w.word, w.sizeShift, w.at) : 0.0f;
+    ivec3 voxel = w.at ^ w.g.toVoxel;
+    if (endsAt(t, voxel, w.best)) w.walking = false;
     if (!w.walking) return;
     if (kCountWork) work.steps += 1u;
-    w.word = lookUp(w.g, w.at, w.sizeShift);
+    w.word = lookUp(voxel, w.sizeShift);
     if (w.word >= kOccupiedBit) {
         uint list = leafList(w.word);
         w.word = loadReference(list);

@@ -9,6 +9,7 @@ namespace rt {
 namespace {
 
 constexpr std::size_t kLargestSample = 6; // triangles of a list that are looked at
+constexpr double kBrickWords = 48.0;      // what building a brick costs beyond its words, as if it had more
 constexpr double kLongList = 400.0;       // triangles times 2^level from which on words are cheap
 
 struct Cost {
@@ -28,7 +29,7 @@ Cost costOfBrick(const Spread& spread, int shift) {
     const double references = spread.references(side);
     const double leaves = references * (1.0 / kReferencesPerLeaf);
     return {2.0 + (leaves + references) * kChance[static_cast<std::size_t>(shift)],
-            side * side * side + kListHeaderWords * leaves + references};
+            kBrickWords + side * side * side + kListHeaderWords * leaves + references};
 }
 
 } // namespace
