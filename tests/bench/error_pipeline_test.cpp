@@ -125,5 +125,26 @@ TEST_F(ErrorPipeline, DensitiesAreVariantsAndFailuresAreNoted) {
     EXPECT_THAT(errors[1].at("note"), HasSubstr("--density"));
 }
 
+// What Python says of an expression in which `error_plot` is known.
+std::string evaluate(const std::string& expression) {
+    return runCommand({PYTHON_PATH, "-B", "-c",
+                       "import sys; sys.path.insert(0, '" RT_SOURCE_DIR
+                       "/pipelines/benchmark'); import error_plot; print(" +
+                           expression + ")"})
+        .out;
+}
+
+TEST(ErrorPlot, TheFrontIsWhatNothingBeatsInBoth) {
+    EXPECT_EQ(evaluate("error_plot.pareto_front([(3, 4), (2, 3), (2, 5), (1, 1), (1.5, 1), (0, 0.5)])"),
+              "[(0, 0.5), (1, 1), (2, 5)]\n");
+    EXPECT_EQ(evaluate("error_plot.pareto_front([])"), "[]\n");
+}
+
+TEST(ErrorPlot, ZeroStandsBelowAllOtherErrors) {
+    EXPECT_EQ(evaluate("[error_plot.Axis([0.0, 1e-7, 1e-6]).place(v) for v in (0.0, 1e-7)]"),
+              "[1e-08, 1e-07]\n");
+    EXPECT_EQ(evaluate("error_plot.Axis([0.0, 0.0]).commands('x')[2]"), "set xtics nomirror ('0' 0.1)\n");
+}
+
 } // namespace
 } // namespace rt::test
