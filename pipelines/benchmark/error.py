@@ -3,7 +3,6 @@ import argparse
 import math
 
 import error_page
-import error_plot
 import run as bench
 
 TOOLS = ("rt-import", "rt-grid", "rt-trace", "rt-compare", "rt_make_rays", "rt_measure_hits", "rt_box_filter")
@@ -153,14 +152,14 @@ def parse():
     bench.add_common_options(parser)
     parser.add_argument("--scenes", nargs="+", metavar="NAME", help=f"of scenes.json; by default {' '.join(DEFAULT_SCENES)}")
     parser.add_argument("--structures", nargs="+", default=["nested", "cloud"], metavar="NAME",
-                        help="of rt-grid; the first one's hits and picture in double precision are the reference (%(default)s)")  # fmt: skip
+                        help="of rt-grid; the first one's hits and picture in double precision are the reference (nested cloud)")  # fmt: skip
     parser.add_argument("--densities", nargs="+", type=float, metavar="D", help="of rt-grid; each structure's own by default")
     parser.add_argument("--intersects", nargs="+", default=INTERSECTS, choices=INTERSECTS)
     parser.add_argument("--precisions", nargs="+", default=PRECISIONS, choices=PRECISIONS)
     parser.add_argument("--sets", nargs="+", default=["diffuse"], choices=("primary", "diffuse", "random"),
-                        help="of rays (%(default)s)")  # fmt: skip
+                        help="of rays (diffuse)")  # fmt: skip
     parser.add_argument("--spp", nargs="+", type=square, default=[1, 4, 16, 64], metavar="K*K",
-                        help="samples per pixel of the pictures (%(default)s)")  # fmt: skip
+                        help="samples per pixel of the pictures (1 4 16 64)")  # fmt: skip
     parser.add_argument("--picture-size", type=bench.whole(1), help="side of the pictures")
     parser.add_argument("--picture-runs", type=bench.whole(1), help="of which the fastest counts")
     size = parser.add_mutually_exclusive_group()
@@ -190,9 +189,8 @@ def main():
         bench.write_csv(pictures, PICTURE_COLUMNS, benchmark.pictures, options.append)
 
     benchmark.run_scenes(scenes, write)
-    for path in (errors, pictures, *error_plot.draw(errors, pictures, options.out)):
+    for path in (errors, pictures, *error_page.write(options.out)):
         print(path)
-    print(error_page.write(errors, pictures, options.out))
     benchmark.exit_with_faults()
 
 

@@ -1,13 +1,10 @@
-"""Writes errors.html, one page of both tables and plots that needs no other file: error_page.py ERRORS.csv PICTURES.csv FOLDER
-
-It shows errors.svg and pictures.svg of FOLDER where they are there.
-"""
+"""Draws errors.csv and pictures.csv of a folder, and writes errors.html, one page of it all: error_page.py FOLDER"""
 import html
 import pathlib
 import re
 import sys
 
-from error_plot import read_csv
+import error_plot
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -71,7 +68,7 @@ def cell(text):
 
 
 def table(path):
-    rows = read_csv(path)
+    rows = error_plot.read_csv(path)
     if not rows:
         return "<p>Nothing was measured.</p>"
     heads = "".join(f'<th><button type="button">{html.escape(column)}</button></th>' for column in rows[0])
@@ -79,9 +76,9 @@ def table(path):
     return f'<div class="table"><table>\n<thead><tr>{heads}</tr></thead>\n<tbody>\n{lines}\n</tbody>\n</table></div>'
 
 
-def inline_svg(path):
+def inline_svg(path, drawn):
     """The picture as part of a page: no XML header, no name spaces, ids that are unique beside another picture's."""
-    if not path.is_file():
+    if path not in drawn:
         return "<p>Not drawn.</p>"
     text = path.read_text(encoding="utf-8")
     text = re.sub(r"\sxmlns(:\w+)?=(\"[^\"]*\"|'[^']*')", "", text[text.index("<svg") :])
@@ -89,17 +86,16 @@ def inline_svg(path):
     return f"<figure>\n{text}\n</figure>"
 
 
-def write(errors, pictures, folder):
-    """The page's path."""
+def write(folder):
+    """Draws where there is gnuplot; the paths of the page and of the plots."""
     folder = pathlib.Path(folder)
-    parts = [
-        "<h2>Ray queries</h2>", inline_svg(folder / "errors.svg"), table(errors),
-        "<h2>Pictures</h2>", inline_svg(folder / "pictures.svg"), table(pictures),
-    ]  # fmt: skip
-    path = folder / "errors.html"
-    path.write_text(PAGE.replace("<!-- contents -->", "\n".join(parts)), encoding="utf-8")
-    return path
+    errors, pictures, page = folder / "errors.csv", folder / "pictures.csv", folder / "errors.html"
+    drawn = error_plot.draw(errors, pictures, folder)
+    parts = ["<h2>Ray queries</h2>", inline_svg(folder / "errors.svg", drawn), table(errors)]
+    parts += ["<h2>Pictures</h2>", inline_svg(folder / "pictures.svg", drawn), table(pictures)]
+    page.write_text(PAGE.replace("<!-- contents -->", "\n".join(parts)), encoding="utf-8")
+    return [page, *drawn]
 
 
 if __name__ == "__main__":
-    print(write(*sys.argv[1:4]))
+    print(*write(sys.argv[1]), sep="\n")

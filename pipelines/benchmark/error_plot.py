@@ -1,4 +1,4 @@
-"""Draws errors.{svg,png} and pictures.{svg,png} with gnuplot: error_plot.py ERRORS.csv PICTURES.csv FOLDER"""
+"""Draws errors.{svg,png} and pictures.{svg,png} with gnuplot, for error.py and error_page.py."""
 import csv
 import math
 import pathlib
@@ -219,7 +219,7 @@ def read_csv(path):
 def draw(errors, pictures, folder):
     """The files' paths, none without gnuplot or measurements."""
     if shutil.which("gnuplot") is None:
-        print("no plots: gnuplot is not installed; later: error_plot.py ERRORS.csv PICTURES.csv FOLDER", file=sys.stderr)
+        print("no plots: gnuplot is not installed; later: error_page.py FOLDER", file=sys.stderr)
         return []
     paths = []
     for figure in (Errors(read_csv(errors)), Pictures(read_csv(pictures))):
@@ -228,9 +228,3 @@ def draw(errors, pictures, folder):
             subprocess.run(["gnuplot"], input=script(figure, terminal, path), text=True, check=True)
             paths.append(path)
     return paths
-
-
-if __name__ == "__main__":
-    pathlib.Path(sys.argv[3]).mkdir(parents=True, exist_ok=True)
-    for written in draw(*sys.argv[1:4]):
-        print(written)
