@@ -70,7 +70,9 @@ def is_software(tools, device):
     return device == "software" or kinds.get(device) == "software"
 
 
-class Benchmark:
+class SceneRunner:
+    """What benchmarks have in common: each imports scenes one by one and measures what it will in a folder of its own."""
+
     def __init__(self, options):
         self.options = options
         self.tools = options.tools.resolve()
@@ -110,13 +112,29 @@ class Benchmark:
                 self.log(f"{name}: skipped, {self.options.scenes_dir / scene['model']} is not there")
                 return
             run(self.tools / "rt-import", model, "-o", folder / "scene.rtmesh")
-            rays = self.make_rays(scene, folder)
-            for structure, options in self.options.variants:
-                self.run_variant(name, folder, rays, structure, options)
+            self.measure(scene, folder)
         except StepFailed as error:
             self.fault(f"{name}: {error}")
         finally:
             shutil.rmtree(folder)
+
+    def run_scenes(self, scenes, write):
+        """Runs all, calling write() after each, so that what was measured stays whatever comes after it."""
+        self.details.mkdir(parents=True, exist_ok=True)
+        (self.out / "work").mkdir(exist_ok=True)
+        if self.options.reduced:
+            size = self.options.size
+            self.log(f"Reduced run: {size}x{size} rays; its speeds say nothing about a GPU")
+        for scene in scenes:
+            self.run_scene(scene)
+            write()
+        shutil.rmtree(self.out / "work")
+
+    def exit_with_faults(self):
+        if not self.rows:
+            sys.exit("nothing was measured")
+        if self.faults:
+            sys.exit("\n".join([f"{len(self.faults)} failures:", *self.faults]))
 
     def make_rays(self, scene, folder):
         view = [f"--{key}={value}" for key, value in scene.get("view", {}).items()]
@@ -128,18 +146,32 @@ class Benchmark:
         self.log(f"{scene['name']}: {rays['triangles']:,} triangles; Embree {speeds} Mrays/s")
         return rays
 
+    def build(self, folder, structure, options, prefix):
+        """Builds scene.rtatlas; what rt-grid reports."""
+        report = self.details / f"{prefix}.json"
+        run(self.tools / "rt-grid", folder / "scene.rtmesh", "-o", folder / "scene.rtatlas", "--structure", structure,
+            *options, "--json", report)  # fmt: skip
+        return load(report)
+
+
+def file_prefix(scene, variant):
+    return f"{scene}-{re.sub('[^a-z0-9.]+', '-', variant)}"
+
+
+class Benchmark(SceneRunner):
+    def measure(self, scene, folder):
+        rays = self.make_rays(scene, folder)
+        for structure, options in self.options.variants:
+            self.run_variant(scene["name"], folder, rays, structure, options)
+
     def run_variant(self, scene, folder, rays, structure, options):
         variant = " ".join((structure, *options))
-        prefix = f"{scene}-{re.sub('[^a-z0-9.]+', '-', variant)}"
+        prefix = file_prefix(scene, variant)
         row = dict.fromkeys(COLUMNS, "")
         row |= {"scene": scene, "triangles": rays["triangles"], "structure": structure, "options": " ".join(options)}
         row |= {"embree_build_mtris_per_s": rays["embreeBuildMtrisPerSecond"], "threads": rays["threads"]}
-        atlas = folder / "scene.rtatlas"
         try:
-            report = self.details / f"{prefix}.json"
-            run(self.tools / "rt-grid", folder / "scene.rtmesh", "-o", atlas, "--structure", structure, *options,
-                "--json", report)  # fmt: skip
-            grid = load(report)
+            grid = self.build(folder, structure, options, prefix)
             row["built"] = grid["structure"]
             row["bytes_per_triangle"] = grid["bytesPerTriangle"]
             row["build_mtris_per_s"] = grid["triangles"] / (grid["buildMs"] * 1e3)
@@ -151,7 +183,7 @@ class Benchmark:
             self.rows.append(row | {"note": str(error)})
             self.fault(f"{scene}, {variant}: {error}")
         finally:
-            atlas.unlink(missing_ok=True)
+            (folder / "scene.rtatlas").unlink(missing_ok=True)
 
     def run_set(self, row, folder, expected, prefix):
         """Traces one set, checks its hits and adds its row."""
@@ -185,7 +217,7 @@ def rounded(value):
     return f"{value:.5g}" if isinstance(value, float) else value
 
 
-def write_csv(path, rows, append):
+def write_csv(path, columns, rows, append):
     """Writes all rows; `append` keeps those of other scenes that are in the file already."""
     ran = {row["scene"] for row in rows}
     kept = []
@@ -193,7 +225,7 @@ def write_csv(path, rows, append):
         with open(path, newline="", encoding="utf-8") as file:
             kept = [row for row in csv.DictReader(file) if row["scene"] not in ran]
     with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
         writer.writeheader()
         writer.writerows(kept + [{key: rounded(value) for key, value in row.items()} for row in rows])
 
@@ -209,69 +241,69 @@ def whole(least):
     return parse
 
 
-def parse():
-    parser = argparse.ArgumentParser(description=__doc__)
+def add_common_options(parser):
+    """Those of every benchmark here."""
     parser.add_argument("--tools", type=pathlib.Path, required=True, help="folder of the built programs")
-    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for results.csv and the plots")
+    parser.add_argument("--out", type=pathlib.Path, required=True, help="folder for the tables and the plots")
     scenes = os.environ.get("RT_SCENES_DIR") or HERE.parents[2] / "shared" / "scenes"
     parser.add_argument("--scenes-dir", type=pathlib.Path, default=scenes, help="folder with models/ (%(default)s)")
+    parser.add_argument("--device", default="auto", help="as rt-trace --device takes it")
+    parser.add_argument("--size", type=whole(8), help="side of the primary rays' picture")
+    parser.add_argument("--repeat", type=whole(0), help="passes of rt-trace; 0 is one without warming up")
+    parser.add_argument("--append", action="store_true", help="keep the rows of other scenes in the tables")
+
+
+def parse():
+    parser = argparse.ArgumentParser(description=__doc__)
+    add_common_options(parser)
     parser.add_argument("--scenes", nargs="+", metavar="NAME", help="of scenes.json; all by default")
     parser.add_argument("--variants", nargs="+", metavar="'STRUCTURE [OPTIONS]'", help="for rt-grid; all by default")
-    parser.add_argument("--device", default="auto", help="as rt-trace --device takes it")
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--reduced", action="store_true", help="256x256, one pass, small scenes unless --scenes names others; so on software GL")
     size.add_argument("--full", action="store_true", help="all scenes, 2048x2048, on software GL too")
-    parser.add_argument("--size", type=whole(8), help="side of the primary rays' picture")
-    parser.add_argument("--repeat", type=whole(0), help="passes of rt-trace; 0 is one without warming up")
     parser.add_argument("--embree-repeat", type=whole(1), help="passes and builds of Embree")
     parser.add_argument("--allow-per-million", type=float, default=0.0, metavar="N",
                         help="lost, extra and wrong hits per million rays that still pass (0)")  # fmt: skip
-    parser.add_argument("--append", action="store_true", help="keep the rows of other scenes in results.csv")
     return parser.parse_args()
 
 
-def complete(options, scenes):
-    """Fills in what depends on the device and on what rt-grid can do; the scenes to run."""
-    missing = [tool for tool in TOOLS if shutil.which(options.tools / tool) is None]
+def complete(options, tools, full_size):
+    """Fills in what depends on the device; the programs `tools` have to be there."""
+    missing = [tool for tool in tools if shutil.which(options.tools / tool) is None]
     if missing:
         sys.exit(f"{options.tools}: {' '.join(missing)} not there; build them, see README.md")
     software = is_software(options.tools, options.device)
     options.reduced = options.reduced or (software and not options.full)
-    options.size = options.size or (256 if options.reduced else 2048)
+    options.size = options.size or (256 if options.reduced else full_size)
     if options.repeat is None:
         options.repeat = 1 if options.reduced else 15
-    options.embree_repeat = options.embree_repeat or (1 if options.reduced else 3)
-    variants = options.variants
-    options.variants = [parse_variant(v) for v in variants] if variants else all_variants(options.tools)
-    if options.scenes:
-        known = {scene["name"]: scene for scene in scenes}
-        unknown = sorted(set(options.scenes) - set(known))
-        if unknown:
-            sys.exit(f"no such scene: {' '.join(unknown)}; there are {' '.join(known)}")
-        return [known[name] for name in options.scenes]
-    return [scene for scene in scenes if scene.get("reduced") or not options.reduced]
+
+
+def named_scenes(names):
+    """Those of scenes.json; all without names."""
+    known = {scene["name"]: scene for scene in load(HERE / "scenes.json")}
+    unknown = sorted(set(names or ()) - set(known))
+    if unknown:
+        sys.exit(f"no such scene: {' '.join(unknown)}; there are {' '.join(known)}")
+    return [known[name] for name in names or known]
 
 
 def main():
     options = parse()
-    scenes = complete(options, load(HERE / "scenes.json"))
+    complete(options, TOOLS, 2048)
+    options.embree_repeat = options.embree_repeat or (1 if options.reduced else 3)
+    variants = options.variants
+    options.variants = [parse_variant(v) for v in variants] if variants else all_variants(options.tools)
+    scenes = named_scenes(options.scenes)
+    if options.reduced and not options.scenes:
+        scenes = [scene for scene in scenes if scene.get("reduced")]
     benchmark = Benchmark(options)
-    benchmark.details.mkdir(parents=True, exist_ok=True)
-    (options.out / "work").mkdir(exist_ok=True)
-    if options.reduced:
-        benchmark.log(f"Reduced run: {options.size}x{options.size} rays; its speeds say nothing about a GPU")
     results = options.out / "results.csv"
-    for scene in scenes:
-        benchmark.run_scene(scene)
-        write_csv(results, benchmark.rows, options.append)
-    shutil.rmtree(options.out / "work")
+    benchmark.run_scenes(scenes, lambda: write_csv(results, COLUMNS, benchmark.rows, options.append))
     print(results)
     for path in plot.draw(results, options.out):
         print(path)
-    if not benchmark.rows:
-        sys.exit("nothing was measured")
-    if benchmark.faults:
-        sys.exit("\n".join([f"{len(benchmark.faults)} failures:", *benchmark.faults]))
+    benchmark.exit_with_faults()
 
 
 if __name__ == "__main__":

@@ -1,4 +1,5 @@
 // pipelines/benchmark in its reduced form, on scenes that need no model from elsewhere.
+#include "tests/support/read_csv.h"
 #include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temporary_folder.h"
@@ -10,44 +11,12 @@
 #include <fstream>
 #include <map>
 #include <set>
-#include <sstream>
 
 namespace rt::test {
 namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-using Row = std::map<std::string, std::string>;
-
-std::vector<std::string> split(const std::string& line) {
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (const char c : line) {
-        if (c == '"')
-            quoted = !quoted;
-        else if (c == ',' && !quoted)
-            cells.emplace_back();
-        else
-            cells.back() += c;
-    }
-    return cells;
-}
-
-std::vector<Row> readCsv(const std::string& path) {
-    std::ifstream file(path);
-    std::string line;
-    std::getline(file, line);
-    const std::vector<std::string> columns = split(line);
-    std::vector<Row> rows;
-    while (std::getline(file, line)) {
-        const std::vector<std::string> cells = split(line);
-        EXPECT_EQ(cells.size(), columns.size()) << line;
-        rows.emplace_back();
-        for (std::size_t i = 0; i < std::min(cells.size(), columns.size()); ++i)
-            rows.back()[columns[i]] = cells[i];
-    }
-    return rows;
-}
 
 class BenchmarkPipeline : public testing::Test {
 protected:
@@ -86,7 +55,7 @@ protected:
     const std::string out_ = folder_.file("out");
 };
 
-void expectFigures(const Row& row) {
+void expectFigures(const CsvRow& row) {
     for (const char* column : {"mrays_per_s", "embree_mrays_per_s", "ratio", "bytes_per_triangle",
                                "build_mtris_per_s", "embree_build_mtris_per_s"})
         EXPECT_GT(std::stod(row.at(column)), 0.0) << column;
@@ -106,7 +75,7 @@ TEST_F(BenchmarkPipeline, MeasuresEveryStructureAndSetAndFindsEmbreesHits) {
     const std::map<std::string, std::string> triangles = {
         {"slivers", "2000"}, {"bunnies16", "3202"}, {"bunny_stadium", "210"}};
     std::map<std::string, std::set<std::string>> setsOf;
-    for (const Row& row : readCsv(out_ + "/results.csv")) {
+    for (const CsvRow& row : readCsv(out_ + "/results.csv")) {
         expectFigures(row);
         setsOf[row.at("scene") + " " + row.at("structure") + row.at("options")].insert(row.at("set"));
         EXPECT_EQ(row.at("triangles"), triangles.at(row.at("scene")));
@@ -158,7 +127,7 @@ TEST_F(BenchmarkPipeline, ABuildThatFailsIsNotedAndTheOthersGoOn) {
     const CommandResult result =
         run(RT_BIN_DIR, {"--scenes", "bunny", "--variants", "cloud --max-memory 1k", "uniform"});
     EXPECT_EQ(result.exitCode, 1);
-    const std::vector<Row> rows = readCsv(out_ + "/results.csv");
+    const std::vector<CsvRow> rows = readCsv(out_ + "/results.csv");
     ASSERT_EQ(rows.size(), 5u);
     EXPECT_THAT(rows[0].at("note"), HasSubstr("rt-grid: error: "));
     for (std::size_t i = 1; i < rows.size(); ++i) expectFigures(rows[i]);

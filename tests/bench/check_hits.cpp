@@ -9,6 +9,7 @@
 #include "formats/mesh_file.h"
 #include "tests/bench/embree_tracer.h"
 #include "tests/bench/hit_check.h"
+#include "tests/bench/ray_files.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -47,15 +48,6 @@ bool parse(int argc, const char* const* argv, Options& options) {
     return parseCommandLine(app, argc, argv, options.common);
 }
 
-template <class T>
-std::span<const T> recordsOf(const SharedSpan<std::byte>& bytes, const std::string& path) {
-    if (bytes.size() % sizeof(T) != 0)
-        throw Error(ErrorKind::InvalidContent,
-                    fmt::format("{}: {} bytes are not a whole number of records of {}", path, bytes.size(),
-                                sizeof(T)));
-    return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
-}
-
 std::string describe(const QueryHit& hit) {
     if (hit.tuvId.w == kNoTriangle) return "a miss";
     return fmt::format("triangle {} at t = {:.9g} (u = {:.9g}, v = {:.9g})", hit.tuvId.w,
@@ -68,12 +60,6 @@ std::string summaryOf(const HitCounts& counts) {
     for (std::size_t c = 0; c < kHitClassNames.size(); ++c)
         text += fmt::format("{} {} {}", c ? "," : "", counts.ofClass[c], kHitClassNames[c]);
     return text + "\n";
-}
-
-nlohmann::json reportOf(const HitCounts& counts) {
-    nlohmann::json report = {{"rays", counts.rays}, {"hits", counts.hits}};
-    for (std::size_t c = 0; c < kHitClassNames.size(); ++c) report[kHitClassNames[c]] = counts.ofClass[c];
-    return report;
 }
 
 HitCounts judge(const Options& options, const TracedRays& traced) {
@@ -104,7 +90,7 @@ int checkHits(int argc, const char* const* argv) {
                     fmt::format("{}: {} rays, but {} expected hits and {} to judge", options.raysPath,
                                 traced.rays.size(), traced.expected.size(), traced.got.size()));
     const HitCounts counts = judge(options, traced);
-    if (!options.common.jsonPath.empty()) writeJson(options.common.jsonPath, reportOf(counts));
+    if (!options.common.jsonPath.empty()) writeJson(options.common.jsonPath, toJson(counts));
     if (!options.common.quiet && options.common.jsonPath != "-") writeFile("-", summaryOf(counts));
     return counts.faults.size() <= options.allow ? 0 : 1;
 }

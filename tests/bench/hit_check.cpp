@@ -3,6 +3,7 @@
 #include "tests/bench/embree_tracer.h"
 
 #include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -116,6 +117,12 @@ HitCounts compareHits(const TracedRays& traced) {
         if (isFault(c)) counts.faults.push_back(i);
     }
     return counts;
+}
+
+nlohmann::json toJson(const HitCounts& counts) {
+    nlohmann::json report = {{"rays", counts.rays}, {"hits", counts.hits}};
+    for (std::size_t c = 0; c < kHitClassNames.size(); ++c) report[kHitClassNames[c]] = counts.ofClass[c];
+    return report;
 }
 
 void excuseEdges(const EmbreeTracer& tracer, const TracedRays& traced, HitCounts& counts) {

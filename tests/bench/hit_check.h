@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,9 @@ struct HitCounts {
     std::uint64_t& operator[](HitClass c) { return ofClass[static_cast<std::size_t>(c)]; }
     std::uint64_t operator[](HitClass c) const { return ofClass[static_cast<std::size_t>(c)]; }
 };
+
+/// {"rays": ..., "hits": ...} and the count of each class by its name.
+nlohmann::json toJson(const HitCounts& counts);
 
 /// What both need: spans of the same length. For any-hit queries only hit or miss is compared.
 struct TracedRays {
