@@ -4,11 +4,16 @@ struct RayShear {
     real3 y;
 };
 
-RayShear shearAlong(real3 direction) {
+// 1 for the axis along which the ray runs fastest, 0 for the others.
+real3 mainAxis(real3 direction) {
     real3 size = abs(direction);
     bool alongX = size.x >= size.y && size.x >= size.z;
     bool alongY = !alongX && size.y >= size.z;
-    real3 main = real3(alongX, alongY, !alongX && !alongY);
+    return real3(alongX, alongY, !alongX && !alongY);
+}
+
+RayShear shearAlong(real3 direction) {
+    real3 main = mainAxis(direction);
     real3 first = main.yzx;
     real3 second = main.zxy;
     real inverse = 1.0f / dot(main, direction);
@@ -37,6 +42,37 @@ real edgeSide(real2 a, real2 b) {
     return side;
 }
 
+real sumOfSizes(real3 v) {
+    return abs(v.x) + abs(v.y) + abs(v.z);
+}
+
+// A triangle as its ray sees it.
+struct SeenTriangle {
+    real3 a, b, c; // corners, the ray's origin at 0
+    real2 p, q, r; // sheared
+    real3 weights; // of the corners, where the ray passes
+};
+
+// Distance to a triangle that is so slender, or so much edge-on, that its plane does not tell. The weights have large errors
+// too, but for the larger part along the longest edge: so far as the point that they give lies beside the ray, it is moved back
+// along that edge. It is then on the triangle, and beside the ray by rounding.
+real slenderDistance(real3 direction, SeenTriangle s) {
+    real3 main = mainAxis(direction);
+    precise real3 along = real3(dot(main, s.a), dot(main, s.b), dot(main, s.c)) / dot(main, direction);
+    precise real2 beside = fma(s.p, real2(s.weights.x), fma(s.q, real2(s.weights.y), s.r * s.weights.z));
+    real3 edge = real3(s.q - s.p, along.y - along.x);
+    real3 edgeB = real3(s.r - s.q, along.z - along.y);
+    real3 edgeC = real3(s.p - s.r, along.x - along.z);
+    if (fixedDot(real3(edgeB.xy, 0.0f), real3(edgeB.xy, 0.0f)) > fixedDot(real3(edge.xy, 0.0f), real3(edge.xy, 0.0f))) edge = edgeB;
+    if (fixedDot(real3(edgeC.xy, 0.0f), real3(edgeC.xy, 0.0f)) > fixedDot(real3(edge.xy, 0.0f), real3(edge.xy, 0.0f))) edge = edgeC;
+    real square = fixedDot(real3(edge.xy, 0.0f), real3(edge.xy, 0.0f));
+    precise real back = square > 0.0f ? fixedDot(real3(beside, 0.0f), real3(edge.xy, 0.0f)) / square : 0.0f;
+    precise real t = fma(-back, edge.z, fixedDot(s.weights, along));
+    return clamp(t, min(along.x, min(along.y, along.z)), max(along.x, max(along.y, along.z)));
+}
+
+const real kSlender = 0.0009765625f; // 2^-10: the plane's distance has lost 10 bits then
+
 // Watertight: Woop, Benthin & Wald 2013. Keeps the nearer of `best` and the hit with `triangle`, if there is one at or
 // after tMin; of hits at the same t the lower index, so that the winner does not depend on the order of the tests.
 Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best) {
@@ -53,12 +89,21 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
     if (min(u, min(v, w)) >= 0.0f || max(u, max(v, w)) <= 0.0f) {
         precise real area = u + v + w; // 0 if edge-on: its neighbours are hit
         // From the plane: a ray that leaves the triangle next to it keeps its side, which u, v and w of far corners would blur.
-        real3 normal = fixedCross(v1 - v0, v2 - v0);
+        real3 edge1 = v1 - v0, edge2 = v2 - v0;
+        real3 normal = fixedCross(edge1, edge2);
         real facing = fixedDot(normal, ray.direction);
         real t = fixedDot(normal, a) / facing;
+        precise real size = sumOfSizes(edge1) * sumOfSizes(edge2);
+        if (abs(facing) < kSlender * size) {
+            real refined = slenderDistance(ray.direction, SeenTriangle(a, b, c, p, q, r, real3(u, v, w) / area));
+            // The plane of a triangle that is edge-on still has two sides; that of a sliver is chance.
+            bool hasPlane = sumOfSizes(normal) > kSlender * size && facing != 0.0f;
+            if (!hasPlane) t = refined;
+            else if (t >= ray.tMin) t = max(refined, ray.tMin);
+        }
         uint id = floatBitsToUint(triangle.v0.w);
         bool nearer = t < best.t || (t == best.t && id < best.triangle);
-        if (t >= ray.tMin && nearer && area != 0.0f && facing != 0.0f) best = Hit(t, v / area, w / area, id);
+        if (t >= ray.tMin && nearer && area != 0.0f) best = Hit(t, v / area, w / area, id);
     }
     return best;
 }

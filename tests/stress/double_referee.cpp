@@ -13,6 +13,8 @@ namespace {
 constexpr long double kRoundoff = 0x1p-24L;
 constexpr long double kLateralRoundings = 16.0L;
 constexpr long double kAlongRoundings = 4.0L;
+constexpr long double kPlaneRoundings = 8.0L;
+constexpr long double kSlender = 0x1p-12L;
 
 } // namespace
 
@@ -63,16 +65,8 @@ long double DoubleReferee::distanceTo(const Point& p, const Corners& t) {
     return distanceToOutline(p, t);
 }
 
-// The claimed point is on the triangle.
-bool DoubleReferee::liesOn(const Claim& claim, std::uint32_t triangle, long double slack) const {
-    const Corners t = cornersOf(triangle);
-    // Relative to the point: a far origin must not cost digits twice.
-    const Point p = claim.point();
-    return distanceTo(Point(0.0L), {t.a - p, t.b - p, t.c - p}) <= slack;
-}
-
-// The ray passes the triangle inside its outline, seen along the ray, farther from it than rounding goes.
-bool DoubleReferee::isCertain(const Claim& claim, std::uint32_t triangle) const {
+// How far inside the triangle's outline the ray passes, seen along the ray; negative outside.
+long double DoubleReferee::clearanceOf(const Claim& claim, std::uint32_t triangle) const {
     const Corners t = cornersOf(triangle);
     const auto flat = [&](const Point& corner) {
         const Point fromOrigin = corner - claim.origin;
@@ -83,17 +77,35 @@ bool DoubleReferee::isCertain(const Claim& claim, std::uint32_t triangle) const 
     const long double v = glm::dot(glm::cross(seen.c, seen.a), claim.along);
     const long double w = glm::dot(glm::cross(seen.a, seen.b), claim.along);
     const bool isInside = std::min({u, v, w}) > 0.0L || std::max({u, v, w}) < 0.0L;
-    return isInside && distanceToOutline(Point(0.0L), seen) > claim.lateral;
+    const long double distance = distanceToOutline(Point(0.0L), seen);
+    return isInside ? distance : -distance;
+}
+
+// By how much the distance to the triangle's plane may be off: see the class.
+long double DoubleReferee::planeBlur(const Claim& claim, std::uint32_t triangle) const {
+    const Corners t = cornersOf(triangle);
+    const Point edge1 = t.b - t.a, edge2 = t.c - t.a;
+    const long double size = glm::length(edge1) * glm::length(edge2);
+    const long double facing = std::abs(glm::dot(glm::cross(edge1, edge2), claim.along));
+    return facing > kSlender * size ? kPlaneRoundings * kRoundoff * gridWorld_ * size / facing : 0.0L;
+}
+
+// The claimed point is on the triangle.
+bool DoubleReferee::liesOn(const Claim& claim, std::uint32_t triangle, long double slack) const {
+    const Corners t = cornersOf(triangle);
+    const Point p = claim.point();
+    return distanceTo(Point(0.0L), {t.a - p, t.b - p, t.c - p}) <= slack + planeBlur(claim, triangle);
 }
 
 // The triangle is surely there, before the claimed hit, and not where that is.
 bool DoubleReferee::passesOver(const Claim& claim, std::uint32_t triangle) const {
-    if (!isCertain(claim, triangle)) return false;
+    if (clearanceOf(claim, triangle) <= claim.lateral) return false;
     const Corners t = cornersOf(triangle);
     const Point normal = glm::cross(t.b - t.a, t.c - t.a);
     const long double facing = glm::dot(normal, claim.along);
     const long double distance = glm::dot(normal, t.a - claim.origin) / facing;
-    const long double blur = claim.slack * glm::length(normal) / std::abs(facing);
+    const long double blur =
+        planeBlur(claim, triangle) + claim.slack * glm::length(normal) / std::abs(facing);
     if (!(distance >= claim.nearest + blur && distance + blur < claim.distance)) return false;
     return claim.isMiss || !liesOn(claim, triangle, 2.0L * claim.slack);
 }
@@ -124,7 +136,8 @@ bool DoubleReferee::isWrong(const QueryRay& ray, const QueryHit& hit, const Quer
     const long double end = isMiss ? static_cast<long double>(ray.directionTmax.w) : t;
     const Claim claim{origin,  direction / length, isMiss, end * length, ray.originTmin.w * length,
                       lateral, slack};
-    if (!isMiss && !liesOn(claim, hit.tuvId.w, slack)) return true;
+    if (!isMiss && (clearanceOf(claim, hit.tuvId.w) < -lateral || !liesOn(claim, hit.tuvId.w, slack)))
+        return true;
     if (!found || reference.t >= end) return false; // nothing nearer is missed
     return passesOver(claim, reference.triangle) || passesOverAny(claim);
 }

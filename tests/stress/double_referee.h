@@ -31,7 +31,8 @@ private:
 
     Corners cornersOf(std::uint32_t triangle) const;
     bool liesOn(const Claim& claim, std::uint32_t triangle, long double slack) const;
-    bool isCertain(const Claim& claim, std::uint32_t triangle) const;
+    long double clearanceOf(const Claim& claim, std::uint32_t triangle) const;
+    long double planeBlur(const Claim& claim, std::uint32_t triangle) const;
     bool passesOver(const Claim& claim, std::uint32_t triangle) const;
     bool passesOverAny(const Claim& claim) const;
     static long double distanceToSegment(const Point& p, const Point& a, const Point& b);
