@@ -96,10 +96,10 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
         precise real size = sumOfSizes(edge1) * sumOfSizes(edge2);
         if (abs(facing) < kSlender * size) {
             real refined = slenderDistance(ray.direction, SeenTriangle(a, b, c, p, q, r, real3(u, v, w) / area));
-            // The plane of a triangle that is edge-on still has two sides; that of a sliver is chance.
+            // The plane of a triangle that is edge-on still says whether it is ahead; that of a sliver is chance.
             bool hasPlane = sumOfSizes(normal) > kSlender * size && facing != 0.0f;
             if (!hasPlane) t = refined;
-            else if (t >= ray.tMin) t = max(refined, ray.tMin);
+            else if (t >= 0.0f) t = max(refined, 0.0f);
         }
         uint id = floatBitsToUint(triangle.v0.w);
         bool nearer = t < best.t || (t == best.t && id < best.triangle);
