@@ -142,8 +142,8 @@ double windingNumber(const Mesh& mesh, const glm::vec3& point) {
         const glm::dvec3 a = glm::dvec3(mesh.positions[t.x]) - p, b = glm::dvec3(mesh.positions[t.y]) - p,
                          c = glm::dvec3(mesh.positions[t.z]) - p;
         const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-        angle += std::atan2(glm::dot(a, glm::cross(b, c)), la * lb * lc + glm::dot(a, b) * lc +
-                                                               glm::dot(b, c) * la + glm::dot(c, a) * lb);
+        angle += std::atan2(glm::dot(a, glm::cross(b, c)),
+                            la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
     }
     return angle / (2.0 * std::numbers::pi);
 }

@@ -48,10 +48,14 @@ const Placement kSphereOnly = {"offset 1e7 sizes", 1.0f, {-1e7f, 3e6f, 9e6f}};
 QueryRay rayInside(const ClosedMesh& closed, const RayTargets& targets, RayNumbers& numbers) {
     const glm::vec3 origin = closed.insides[numbers.index(closed.insides.size())];
     switch (numbers.index(4)) {
-    case 0: return test::rayTowards(origin, targets.vertex(numbers));
-    case 1: return test::rayTowards(origin, targets.onEdge(numbers));
-    case 2: return test::rayTowards(origin, targets.voxelCorner(numbers));
-    default: return test::rayFrom(origin, numbers.direction());
+    case 0:
+        return test::rayTowards(origin, targets.vertex(numbers));
+    case 1:
+        return test::rayTowards(origin, targets.onEdge(numbers));
+    case 2:
+        return test::rayTowards(origin, targets.voxelCorner(numbers));
+    default:
+        return test::rayFrom(origin, numbers.direction());
     }
 }
 
@@ -67,7 +71,8 @@ protected:
         for (const std::uint32_t structure : {kStructureCloud, kStructureNested}) {
             const Atlas atlas = test::makeAtlas(closed.mesh, structure, {12, 11, 10});
             const RayTargets targets(closed.mesh, atlas.grid);
-            const StressCase stress{closed.name + (structure == kStructureCloud ? ", cloud" : ", nested"), atlas,
+            const StressCase stress{closed.name + (structure == kStructureCloud ? ", cloud" : ", nested"),
+                                    atlas,
                                     [&](RayNumbers& numbers) { return rayInside(closed, targets, numbers); }};
             const Tally tally = watertight(stress);
             report(stress, "watertight", tally);
@@ -77,7 +82,8 @@ protected:
         }
     }
 
-    // The rates of the others are measured, not judged; but that they leak shows that these rays can find leaks.
+    // The rates of the others are measured, not judged; but that they leak shows that these rays can find
+    // leaks.
     static void expectLeaksOfOtherTests(const ClosedMesh& closed) {
         const Atlas atlas = test::makeAtlas(closed.mesh, kStructureNested, {12, 11, 10});
         const RayTargets targets(closed.mesh, atlas.grid);

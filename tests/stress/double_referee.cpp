@@ -20,7 +20,7 @@ constexpr long double kSlender = 0x1p-12L;
 
 struct DoubleReferee::Claim {
     Point origin;
-    Point along;          // unit length
+    Point along; // unit length
     bool isMiss;
     long double distance; // of the hit, or to the end of a ray without one, world units
     long double nearest;  // of the hits that are wanted
@@ -35,6 +35,13 @@ DoubleReferee::DoubleReferee(const Mesh& mesh, const GridParams& grid) : mesh_(m
     const glm::vec3 size = glm::vec3(grid.dims) * glm::vec3(grid.cellSize);
     const glm::vec3 largest = glm::max(glm::abs(lo), glm::abs(lo + size));
     gridWorld_ = (glm::length(largest) + glm::length(size)) / grid.worldOffset.w;
+    balls_.reserve(mesh.triangles.size());
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+        const glm::dvec3 centre = (a + b + c) / 3.0;
+        balls_.emplace_back(
+            centre, std::max({glm::length(a - centre), glm::length(b - centre), glm::length(c - centre)}));
+    }
 }
 
 DoubleReferee::Corners DoubleReferee::cornersOf(std::uint32_t triangle) const {
@@ -50,8 +57,8 @@ long double DoubleReferee::distanceToSegment(const Point& p, const Point& a, con
 }
 
 long double DoubleReferee::distanceToOutline(const Point& p, const Corners& t) {
-    return std::min({distanceToSegment(p, t.a, t.b), distanceToSegment(p, t.b, t.c),
-                     distanceToSegment(p, t.c, t.a)});
+    return std::min(
+        {distanceToSegment(p, t.a, t.b), distanceToSegment(p, t.b, t.c), distanceToSegment(p, t.c, t.a)});
 }
 
 long double DoubleReferee::distanceTo(const Point& p, const Corners& t) {
@@ -110,9 +117,18 @@ bool DoubleReferee::passesOver(const Claim& claim, std::uint32_t triangle) const
     return claim.isMiss || !liesOn(claim, triangle, 2.0L * claim.slack);
 }
 
+// False only if the ray passes by all of the triangle: quick.
+bool DoubleReferee::passesNear(const Claim& claim, const glm::dvec4& ball) const {
+    const glm::dvec3 fromOrigin = glm::dvec3(ball) - glm::dvec3(claim.origin);
+    const glm::dvec3 along(claim.along);
+    const glm::dvec3 beside = fromOrigin - along * glm::dot(fromOrigin, along);
+    const double rounding = 1e-14 * glm::length(fromOrigin);
+    return glm::length(beside) <= 1.001 * ball.w + rounding;
+}
+
 bool DoubleReferee::passesOverAny(const Claim& claim) const {
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i)
-        if (passesOver(claim, i)) return true;
+        if (passesNear(claim, balls_[i]) && passesOver(claim, i)) return true;
     return false;
 }
 
@@ -134,8 +150,8 @@ bool DoubleReferee::isWrong(const QueryRay& ray, const QueryHit& hit, const Quer
     if (!isMiss && hit.tuvId.w == reference.triangle && std::abs(t - reference.t) * length <= slack)
         return false;
     const long double end = isMiss ? static_cast<long double>(ray.directionTmax.w) : t;
-    const Claim claim{origin,  direction / length, isMiss, end * length, ray.originTmin.w * length,
-                      lateral, slack};
+    const Claim claim{origin, direction / length, isMiss, end * length, ray.originTmin.w * length, lateral,
+                      slack};
     if (!isMiss && (clearanceOf(claim, hit.tuvId.w) < -lateral || !liesOn(claim, hit.tuvId.w, slack)))
         return true;
     if (!found || reference.t >= end) return false; // nothing nearer is missed

@@ -4,17 +4,20 @@
 #include "formats/mesh.h"
 
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include <vector>
 
 namespace rt::test {
 
 /// Judges hits in single precision by those in double precision, and where the two differ by the triangles
 /// themselves: a hit is wrong only where no rounding explains it.
 ///
-/// A ray walks as if it were up to `lateralWorld` beside itself: with e = 2^-24, one rounding of the origin at
-/// the grid's border, one of each corner minus the origin, five of the shear and three of the edge functions
-/// come to about 10 e (|corner of the grid| + diagonal); 16 e are allowed. Rays from outside are exact as far
-/// as the border but for the subtraction of the atlas' offset, where it has one. Along the ray, t itself has
-/// four roundings.
+/// A ray walks as if it were up to `lateralWorld` beside itself: with e = 2^-24, one rounding of the origin
+/// at the grid's border, one of each corner minus the origin, five of the shear and three of the edge
+/// functions come to about 10 e (|corner of the grid| + diagonal); 16 e are allowed. Rays from outside are
+/// exact as far as the border but for the subtraction of the atlas' offset, where it has one. Along the ray,
+/// t itself has four roundings.
 class DoubleReferee {
 public:
     /// Both must outlive it.
@@ -33,6 +36,7 @@ private:
     bool liesOn(const Claim& claim, std::uint32_t triangle, long double slack) const;
     long double clearanceOf(const Claim& claim, std::uint32_t triangle) const;
     long double planeBlur(const Claim& claim, std::uint32_t triangle) const;
+    bool passesNear(const Claim& claim, const glm::dvec4& ball) const;
     bool passesOver(const Claim& claim, std::uint32_t triangle) const;
     bool passesOverAny(const Claim& claim) const;
     static long double distanceToSegment(const Point& p, const Point& a, const Point& b);
@@ -41,7 +45,8 @@ private:
 
     const Mesh& mesh_;
     const GridParams& grid_;
-    long double gridWorld_; // largest coordinate of the grid and its diagonal
+    std::vector<glm::dvec4> balls_; // round each triangle: centre and radius
+    long double gridWorld_;         // largest coordinate of the grid and its diagonal
 };
 
 } // namespace rt::test

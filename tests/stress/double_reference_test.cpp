@@ -21,7 +21,8 @@ QueryRay randomRay(const RayTargets& targets, RayNumbers& numbers) {
     const float size = targets.diagonal();
     const glm::vec3 origin = numbers.index(2) ? target : target - 3.0f * size * direction;
     const float tMin = numbers.index(8) ? 0.0f : 0.3f * size * numbers.unit();
-    return test::rayFrom(origin, direction, tMin, numbers.index(8) ? test::kNoEnd : tMin + size * numbers.unit());
+    return test::rayFrom(origin, direction, tMin,
+                         numbers.index(8) ? test::kNoEnd : tMin + size * numbers.unit());
 }
 
 class DoubleReference : public test::Stress {

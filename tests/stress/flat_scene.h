@@ -24,15 +24,16 @@ struct FlatScene {
     float gap;        ///< from one sheet to the next, along the normal
 };
 
-/// `sheet`, which lies in z = 0, at each of `heights`, then moved by `move`, which turns +z to `normal`. Two small
-/// triangles at opposite corners make the bounds a cube, so that the grid is the same whatever lies in it.
+/// `sheet`, which lies in z = 0, at each of `heights`, then moved by `move`, which turns +z to `normal`. Two
+/// small triangles at opposite corners make the bounds a cube, so that the grid is the same whatever lies in
+/// it.
 FlatScene stack(const Mesh& sheet, const std::vector<float>& heights, float reach, const MovePoint& move,
                 const glm::vec3& normal);
 /// Heights of planes between voxels of a grid of `layers` voxels along z round such a scene, every other one.
 std::vector<float> voxelFaces(unsigned layers);
 
-/// Aimed at a vertex, an edge or a point of an inner triangle, from either side, out of the gap next to it: t = 1
-/// there, and beyond 2 at the next sheet.
+/// Aimed at a vertex, an edge or a point of an inner triangle, from either side, out of the gap next to it: t
+/// = 1 there, and beyond 2 at the next sheet.
 QueryRay rayAtSheet(const FlatScene& scene, const RayTargets& inner, RayNumbers& numbers);
 /// The ray of rayAtSheet() has missed the sheet that it was aimed at.
 bool passesThrough(const QueryRay& ray, const QueryHit& hit, const QueryHitDouble*);

@@ -51,19 +51,24 @@ glm::vec3 RayTargets::anywhere(RayNumbers& numbers) const {
 
 glm::vec3 RayTargets::any(RayNumbers& numbers) const {
     switch (numbers.index(5)) {
-    case 0: return vertex(numbers);
-    case 1: return onEdge(numbers);
-    case 2: return onTriangle(numbers);
-    case 3: return voxelCorner(numbers);
-    default: return anywhere(numbers);
+    case 0:
+        return vertex(numbers);
+    case 1:
+        return onEdge(numbers);
+    case 2:
+        return onTriangle(numbers);
+    case 3:
+        return voxelCorner(numbers);
+    default:
+        return anywhere(numbers);
     }
 }
 
 glm::vec3 RayTargets::toVoxelFaces(const glm::vec3& p, RayNumbers& numbers) const {
     const glm::vec3 lo(grid_.gridLo);
     const glm::vec3 inAtlas = (p - glm::vec3(grid_.worldOffset)) * grid_.worldOffset.w;
-    const glm::vec3 faces =
-        worldFromAtlas(lo + glm::round((inAtlas - lo) * glm::vec3(grid_.cellsPerUnit)) * glm::vec3(grid_.cellSize));
+    const glm::vec3 faces = worldFromAtlas(lo + glm::round((inAtlas - lo) * glm::vec3(grid_.cellsPerUnit)) *
+                                                    glm::vec3(grid_.cellSize));
     const std::size_t which = 1 + numbers.index(7);
     return glm::mix(p, faces, glm::bvec3(which & 1, which & 2, which & 4));
 }

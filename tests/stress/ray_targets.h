@@ -40,7 +40,9 @@ public:
     float diagonal() const;
 
 private:
-    glm::uvec3 triangle(RayNumbers& numbers) const { return mesh_.triangles[numbers.index(mesh_.triangles.size())]; }
+    glm::uvec3 triangle(RayNumbers& numbers) const {
+        return mesh_.triangles[numbers.index(mesh_.triangles.size())];
+    }
     glm::vec3 worldFromAtlas(const glm::vec3& p) const;
 
     const Mesh& mesh_;

@@ -46,7 +46,8 @@ std::string textOf(const QueryRay& ray, const QueryHit& hit, const QueryHitDoubl
         fmt::format("origin ({:a}, {:a}, {:a}), direction ({:a}, {:a}, {:a}), t in [{:a}, {:a}]: "
                     "t {}, triangle {}",
                     o.x, o.y, o.z, d.x, d.y, d.z, o.w, d.w, distanceOf(hit), int(hit.tuvId.w));
-    if (reference) text += fmt::format("; in double t {}, triangle {}", reference->t, int(reference->triangle));
+    if (reference)
+        text += fmt::format("; in double t {}, triangle {}", reference->t, int(reference->triangle));
     return text;
 }
 
@@ -54,7 +55,7 @@ std::string textOf(const QueryRay& ray, const QueryHit& hit, const QueryHitDoubl
 
 std::uint64_t raysPerCase() {
     const char* const text = std::getenv("RT_STRESS_RAYS");
-    return text ? std::strtoull(text, nullptr, 10) : 100'000;
+    return text ? std::strtoull(text, nullptr, 10) : 60'000;
 }
 
 /// One case on its way through the device.
@@ -118,7 +119,7 @@ ProgramCache& Stress::programs() {
 }
 
 Tally Stress::watertight(const StressCase& stress) {
-    Run run(stress, raysPerCase());
+    Run run(stress, raysPerCase() / stress.part + 1);
     BatchTracer<QueryHit> plain(*context, stress.atlas, {}, false, run.batchSize(), programs());
     BatchTracer<QueryHit> scattered(*context, stress.atlas, {}, true, run.batchSize(), programs());
     std::vector<QueryHit> others(run.batchSize());
@@ -135,12 +136,11 @@ Tally Stress::watertight(const StressCase& stress) {
 }
 
 Tally Stress::measured(const StressCase& stress, unsigned intersect) {
-    Run run(stress, std::min(kEnoughForARate, raysPerCase()));
+    Run run(stress, std::min(kEnoughForARate, raysPerCase()) / stress.part + 1);
     BatchTracer<QueryHit> plain(*context, stress.atlas, {.limits = {}, .intersect = intersect}, false,
                                 run.batchSize(), programs());
-    return run.judge([&](std::span<const QueryRay> rays, std::span<QueryHit> hits, bool) {
-        plain.trace(rays, hits);
-    });
+    return run.judge(
+        [&](std::span<const QueryRay> rays, std::span<QueryHit> hits, bool) { plain.trace(rays, hits); });
 }
 
 void Stress::report(const StressCase& stress, const char* test, const Tally& tally) {

@@ -35,6 +35,7 @@ struct StressCase {
     IsWrong isWrong = leaks;
     std::string fault = "leak"; ///< "N of M rays leak"
     bool hasReference = false;  ///< in double precision
+    unsigned part = 1; ///< only so many times fewer rays, where each is tested against hundreds of triangles
 };
 
 /// What one triangle test made of a case.
@@ -44,8 +45,8 @@ struct Tally {
     std::string firstWrong;  ///< as text
 };
 
-/// Cases with as many rays as raysPerCase() says, in batches: an atlas is uploaded and a program compiled once,
-/// and the rays are made on all cores from their numbers.
+/// Cases with as many rays as raysPerCase() says, in batches: an atlas is uploaded and a program compiled
+/// once, and the rays are made on all cores from their numbers.
 class Stress : public OnGpu {
 protected:
     static void TearDownTestSuite() {

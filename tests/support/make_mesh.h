@@ -27,7 +27,8 @@ Mesh makeSphere(int subdivisions, float radius = 1.0f);
 /// outward normals. `radius` is that of the tube's middle, `tube` the tube's own.
 Mesh makeTorus(float radius, float tube, int around, int across);
 
-/// The square from -1 to 1 of the plane z = 0: `alongX` times `alongY` quads of two triangles, shared vertices.
+/// The square from -1 to 1 of the plane z = 0: `alongX` times `alongY` quads of two triangles, shared
+/// vertices.
 Mesh makeSheet(int alongX, int alongY);
 
 /// Closed box of 12 triangles, 24 vertices, flat outward normals.
