@@ -27,6 +27,11 @@ real fixedDot(real3 a, real3 b) {
     return sum;
 }
 
+real fixedDot2(real2 a, real2 b) {
+    precise real sum = fma(a.x, b.x, a.y * b.y);
+    return sum;
+}
+
 real3 fixedCross(real3 a, real3 b) {
     precise real3 minus = a.zxy * b.yzx;
     precise real3 normal = fma(a.yzx, b.zxy, -minus);
@@ -63,10 +68,10 @@ real slenderDistance(real3 direction, SeenTriangle s) {
     real3 edge = real3(s.q - s.p, along.y - along.x);
     real3 edgeB = real3(s.r - s.q, along.z - along.y);
     real3 edgeC = real3(s.p - s.r, along.x - along.z);
-    if (fixedDot(real3(edgeB.xy, 0.0f), real3(edgeB.xy, 0.0f)) > fixedDot(real3(edge.xy, 0.0f), real3(edge.xy, 0.0f))) edge = edgeB;
-    if (fixedDot(real3(edgeC.xy, 0.0f), real3(edgeC.xy, 0.0f)) > fixedDot(real3(edge.xy, 0.0f), real3(edge.xy, 0.0f))) edge = edgeC;
-    real square = fixedDot(real3(edge.xy, 0.0f), real3(edge.xy, 0.0f));
-    precise real back = square > 0.0f ? fixedDot(real3(beside, 0.0f), real3(edge.xy, 0.0f)) / square : 0.0f;
+    if (fixedDot2(edgeB.xy, edgeB.xy) > fixedDot2(edge.xy, edge.xy)) edge = edgeB;
+    if (fixedDot2(edgeC.xy, edgeC.xy) > fixedDot2(edge.xy, edge.xy)) edge = edgeC;
+    real square = fixedDot2(edge.xy, edge.xy);
+    precise real back = square > 0.0f ? fixedDot2(beside, edge.xy) / square : 0.0f;
     precise real t = fma(-back, edge.z, fixedDot(s.weights, along));
     return clamp(t, min(along.x, min(along.y, along.z)), max(along.x, max(along.y, along.z)));
 }
