@@ -51,29 +51,45 @@ real sumOfSizes(real3 v) {
     return abs(v.x) + abs(v.y) + abs(v.z);
 }
 
-// A triangle as its ray sees it.
+// A triangle as its ray sees it: corners sheared (xy) and how far along the ray they are (z), and their weights where the ray
+// passes.
 struct SeenTriangle {
-    real3 a, b, c; // corners, the ray's origin at 0
-    real2 p, q, r; // sheared
-    real3 weights; // of the corners, where the ray passes
+    real3 p, q, r;
+    real3 weights;
 };
+
+// So that the edge p q is the longest as seen.
+SeenTriangle turned(SeenTriangle s) {
+    real2 pq = s.q.xy - s.p.xy, qr = s.r.xy - s.q.xy, rp = s.p.xy - s.r.xy;
+    real3 squares = real3(fixedDot2(pq, pq), fixedDot2(qr, qr), fixedDot2(rp, rp));
+    if (squares.x >= squares.y && squares.x >= squares.z) return s;
+    if (squares.y >= squares.z) return SeenTriangle(s.q, s.r, s.p, s.weights.yzx);
+    return SeenTriangle(s.r, s.p, s.q, s.weights.zxy);
+}
+
+// How far along the ray an edge is where the ray passes it.
+real distanceToEdge(real3 from, real3 to) {
+    real3 edge = to - from;
+    real square = fixedDot2(edge.xy, edge.xy);
+    precise real at = square > 0.0f ? clamp(-fixedDot2(from.xy, edge.xy) / square, 0.0f, 1.0f) : 0.0f;
+    precise real t = fma(at, edge.z, from.z);
+    return t;
+}
 
 // Distance to a triangle that is so slender, or so much edge-on, that its plane does not tell. The weights have large errors
 // too, but for the larger part along the longest edge: so far as the point that they give lies beside the ray, it is moved back
-// along that edge. It is then on the triangle, and beside the ray by rounding.
-real slenderDistance(real3 direction, SeenTriangle s) {
-    real3 main = mainAxis(direction);
-    precise real3 along = real3(dot(main, s.a), dot(main, s.b), dot(main, s.c)) / dot(main, direction);
-    precise real2 beside = fma(s.p, real2(s.weights.x), fma(s.q, real2(s.weights.y), s.r * s.weights.z));
-    real3 edge = real3(s.q - s.p, along.y - along.x);
-    real3 edgeB = real3(s.r - s.q, along.z - along.y);
-    real3 edgeC = real3(s.p - s.r, along.x - along.z);
-    if (fixedDot2(edgeB.xy, edgeB.xy) > fixedDot2(edge.xy, edge.xy)) edge = edgeB;
-    if (fixedDot2(edgeC.xy, edgeC.xy) > fixedDot2(edge.xy, edge.xy)) edge = edgeC;
+// along that edge, and where that leads out of the triangle, to the other edges. It is then on the triangle, and beside the ray
+// by rounding.
+real slenderDistance(SeenTriangle seen) {
+    SeenTriangle s = turned(seen);
+    real3 edge = s.q - s.p;
     real square = fixedDot2(edge.xy, edge.xy);
+    precise real2 beside = fma(s.p.xy, s.weights.xx, fma(s.q.xy, s.weights.yy, s.r.xy * s.weights.z));
     precise real back = square > 0.0f ? fixedDot2(beside, edge.xy) / square : 0.0f;
-    precise real t = fma(-back, edge.z, fixedDot(s.weights, along));
-    return clamp(t, min(along.x, min(along.y, along.z)), max(along.x, max(along.y, along.z)));
+    precise real3 weights = s.weights + real3(back, -back, 0.0f);
+    if (weights.x < 0.0f) return distanceToEdge(s.q, s.r);
+    if (weights.y < 0.0f) return distanceToEdge(s.p, s.r);
+    return fixedDot(weights, real3(s.p.z, s.q.z, s.r.z));
 }
 
 const real kSlender = 0.0009765625f; // 2^-10: the plane's distance has lost 10 bits then
@@ -100,7 +116,10 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
         real t = fixedDot(normal, a) / facing;
         precise real size = sumOfSizes(edge1) * sumOfSizes(edge2);
         if (abs(facing) < kSlender * size) {
-            real refined = slenderDistance(ray.direction, SeenTriangle(a, b, c, p, q, r, real3(u, v, w) / area));
+            real3 main = mainAxis(ray.direction);
+            precise real3 along = real3(dot(main, a), dot(main, b), dot(main, c)) / dot(main, ray.direction);
+            real3 weights = real3(u, v, w) / area;
+            real refined = slenderDistance(SeenTriangle(real3(p, along.x), real3(q, along.y), real3(r, along.z), weights));
             // The plane of a triangle that is edge-on still says whether it is ahead; that of a sliver is chance.
             bool hasPlane = sumOfSizes(normal) > kSlender * size && facing != 0.0f;
             if (!hasPlane) t = refined;

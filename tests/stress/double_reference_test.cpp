@@ -1,4 +1,5 @@
 // Hits of random rays against the same in double precision: none on another triangle that is not a tie.
+#include "tests/gpu/exact_hit.h"
 #include "tests/stress/closed_mesh.h"
 #include "tests/stress/double_referee.h"
 #include "tests/stress/ray_targets.h"
@@ -6,7 +7,13 @@
 #include "tests/support/make_mesh.h"
 #include "tests/support/scenes.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <limits>
+#include <vector>
 
 namespace rt {
 namespace {
@@ -25,13 +32,45 @@ QueryRay randomRay(const RayTargets& targets, RayNumbers& numbers) {
                          numbers.index(8) ? test::kNoEnd : tMin + size * numbers.unit());
 }
 
+// The reference walks the same atlas: what that does not list where it is, both would miss.
+bool isBruteForce(const Mesh& mesh, const QueryRay& ray, const QueryHitDouble& hit) {
+    constexpr double kRounding = 1e-9; // far more than that of doubles
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const test::ExactHit exact = test::intersectExactly(mesh, i, ray);
+        const bool isWanted = exact.t >= ray.originTmin.w * (1.0 + kRounding) &&
+                              exact.t <= ray.directionTmax.w * (1.0 - kRounding);
+        if (exact.margin > kRounding && isWanted) nearest = std::min(nearest, exact.t);
+    }
+    if (hit.triangle == kNoTriangle) return std::isinf(nearest);
+    const test::ExactHit exact = test::intersectExactly(mesh, hit.triangle, ray);
+    return hit.t <= nearest * (1.0 + kRounding) && exact.margin > -kRounding;
+}
+
 class DoubleReference : public test::Stress {
 protected:
+    static constexpr std::size_t kBruteForce = 400;
+
+    static void expectBruteForce(const std::string& name, const Mesh& mesh, const Atlas& atlas) {
+        const RayTargets targets(mesh, atlas.grid);
+        std::vector<QueryRay> rays;
+        for (std::size_t i = 0; i < kBruteForce; ++i) {
+            RayNumbers numbers(17, i);
+            rays.push_back(randomRay(targets, numbers));
+        }
+        const auto hits = test::traceDouble(*context, atlas, rays);
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < rays.size(); ++i) wrong += !isBruteForce(mesh, rays[i], hits[i]);
+        fmt::print("{}, double precision: {} of {} rays have another hit than brute force\n", name, wrong,
+                   rays.size());
+        EXPECT_EQ(wrong, 0u) << name;
+    }
     static void expectNoneWrongIn(const std::string& name, const Mesh& mesh) {
         for (const std::uint32_t structure : {kStructureCloud, kStructureNested}) {
             const Atlas atlas = test::makeAtlas(mesh, structure, {32, 31, 30});
             const RayTargets targets(mesh, atlas.grid);
             const test::DoubleReferee referee(mesh, atlas.grid);
+            expectBruteForce(name, mesh, atlas);
             expectNoneWrong({name + (structure == kStructureCloud ? ", cloud" : ", nested"), atlas,
                              [&](RayNumbers& numbers) { return randomRay(targets, numbers); },
                              [&](const QueryRay& ray, const QueryHit& hit, const QueryHitDouble* reference) {

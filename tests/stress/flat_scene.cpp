@@ -68,8 +68,8 @@ QueryRay rayAtSheet(const FlatScene& scene, const RayTargets& inner, RayNumbers&
     const float height = scene.gap * 0.9f * std::exp2(-10.0f * numbers.unit());
     const glm::vec3 aside = numbers.direction();
     const glm::vec3 inPlane = aside - scene.normal * glm::dot(aside, scene.normal);
-    return rayTowards(
-        target + inPlane * numbers.unit() + scene.normal * (numbers.index(2) ? height : -height), target);
+    const float side = numbers.index(2) ? height : -height;
+    return rayTowards(target + inPlane * numbers.unit() + scene.normal * side, target);
 }
 
 bool passesThrough(const QueryRay&, const QueryHit& hit, const QueryHitDouble*) {

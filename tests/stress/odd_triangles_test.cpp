@@ -25,7 +25,8 @@ Mesh needles(int count, float width, std::uint64_t seed) {
         RayNumbers numbers(seed, static_cast<std::uint64_t>(i));
         const glm::vec3 a = numbers.point();
         const glm::vec3 b = numbers.point();
-        corners.insert(corners.end(), {a, b, glm::mix(a, b, numbers.unit()) + numbers.direction() * width});
+        const float along = numbers.unit();
+        corners.insert(corners.end(), {a, b, glm::mix(a, b, along) + numbers.direction() * width});
     }
     return test::makeTriangles(corners);
 }
@@ -97,7 +98,8 @@ protected:
         const RayTargets targets(mesh, atlas.grid);
         const test::DoubleReferee referee(mesh, atlas.grid);
         const auto makeRay = [&](RayNumbers& numbers) {
-            const glm::vec3 origin = targets.anywhere(numbers) + targets.diagonal() * numbers.direction();
+            const glm::vec3 near = targets.anywhere(numbers);
+            const glm::vec3 origin = near + targets.diagonal() * numbers.direction();
             return test::rayTowards(origin, targets.any(numbers));
         };
         expectNoneWrong({name, atlas, makeRay,
@@ -111,8 +113,8 @@ protected:
         const Atlas atlas = test::makeAtlas(closed.mesh, kStructureNested, kDims);
         const RayTargets targets(closed.mesh, atlas.grid);
         const auto makeRay = [&](RayNumbers& numbers) {
-            return test::rayTowards(closed.insides[numbers.index(closed.insides.size())],
-                                    targets.any(numbers));
+            const glm::vec3 origin = closed.insides[numbers.index(closed.insides.size())];
+            return test::rayTowards(origin, targets.any(numbers));
         };
         expectNoneWrong({closed.name, atlas, makeRay, isWrong, fault});
     }
@@ -174,10 +176,11 @@ TEST_F(OddTriangles, NoRayPassesThroughAnUmbrellaOf4000Triangles) {
     const RayTargets targets(mesh, atlas.grid);
     const auto makeRay = [&](RayNumbers& numbers) {
         // At the shared vertex, or somewhere on a spoke.
-        const glm::vec3 spoke = glm::mix(mesh.positions[0], targets.vertex(numbers), 0.99f * numbers.unit());
+        const glm::vec3 end = targets.vertex(numbers);
+        const glm::vec3 spoke = glm::mix(mesh.positions[0], end, 0.99f * numbers.unit());
         const glm::vec3 aside = numbers.point() - 0.5f;
-        return test::rayTowards({aside.x, aside.y, numbers.index(2) ? 2.0f : -2.0f},
-                                numbers.index(2) ? spoke : mesh.positions[0]);
+        const glm::vec3 origin(aside.x, aside.y, numbers.index(2) ? 2.0f : -2.0f);
+        return test::rayTowards(origin, numbers.index(2) ? spoke : mesh.positions[0]);
     };
     expectNoneWrong(
         {"umbrella of 4000 triangles", atlas, makeRay, test::leaks, "pass through", false, kPart});
