@@ -1,6 +1,7 @@
 #include "tests/bench/ray_sets.h"
 
 #include "common/error.h"
+#include "tests/support/split_mix.h"
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -13,6 +14,8 @@
 
 namespace rt::bench {
 namespace {
+
+using test::hashOf;
 
 constexpr std::uint32_t kTileWidth = 8;
 constexpr std::uint32_t kTileHeight = 4;
@@ -27,14 +30,6 @@ double radiusOf(const Bounds& bounds) {
 
 QueryRay makeRay(const glm::dvec3& origin, const glm::dvec3& direction, float tMax) {
     return {glm::vec4(glm::vec3(origin), 0.0f), glm::vec4(glm::vec3(direction), tMax)};
-}
-
-// SplitMix64 (Steele, Lea & Flood 2014): the n-th number of a stream without the ones before it.
-std::uint64_t hashOf(std::uint64_t n) {
-    n += 0x9E3779B97F4A7C15u;
-    n = (n ^ (n >> 30)) * 0xBF58476D1CE4E5B9u;
-    n = (n ^ (n >> 27)) * 0x94D049BB133111EBu;
-    return n ^ (n >> 31);
 }
 
 // In [-1, 1).

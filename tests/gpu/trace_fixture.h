@@ -8,7 +8,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
 #include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
 
 namespace rt::test {
 
@@ -41,36 +48,87 @@ struct QuerySettings {
     unsigned intersect = kIntersectWatertight;
 };
 
-/// `Record` says which precision: QueryHit or QueryHitDouble.
+/// Programs by their text, compiled once each. To be destroyed before the context.
+class ProgramCache {
+public:
+    const GlProgram& of(const ResourcePlan& plan) {
+        GlProgram& program = programs_[variantText(plan).text];
+        if (!program.name()) program = compileVariant(plan);
+        return program;
+    }
+
+private:
+    std::map<std::string, GlProgram> programs_;
+};
+
+/// An atlas and a program on the device, which batches of rays stream through. `Record` says which precision:
+/// QueryHit or QueryHitDouble.
+template <class Record>
+class BatchTracer {
+public:
+    BatchTracer(const GlContext& context, const Atlas& atlas, const QuerySettings& settings, bool scattered,
+                std::size_t rayCount, ProgramCache& programs)
+        : BatchTracer(context, atlas, settings, featuresFor(context, atlas, settings, scattered), rayCount,
+                      programs) {}
+
+    std::size_t batchSize() const { return gpuRays_.batchSize(); }
+
+    /// At most batchSize() rays, one hit for each.
+    void trace(std::span<const QueryRay> rays, std::span<Record> hits) {
+        gpuAtlas_.bind();
+        gpuRays_.upload(rays);
+        gpuRays_.trace(program_, 1, software_);
+        gpuRays_.readHits(std::as_writable_bytes(hits));
+    }
+    /// Leaves other hits in the device's memory, so that none of those wanted can be left over from before.
+    void traceBackwards(std::span<const QueryRay> rays) {
+        const std::vector<QueryRay> backwards(rays.rbegin(), rays.rend());
+        gpuAtlas_.bind();
+        gpuRays_.upload(std::span(backwards).first(std::min(rays.size(), batchSize())));
+        gpuRays_.trace(program_, 1, software_);
+    }
+
+private:
+    static SceneFeatures featuresFor(const GlContext& context, const Atlas& atlas,
+                                     const QuerySettings& settings, bool scattered) {
+        SceneFeatures features = queryFeatures(atlas, settings.anyHit);
+        features.doublePrecision = std::is_same_v<Record, QueryHitDouble>;
+        features.intersect = settings.intersect;
+        features.scatteredRays = scattered;
+        features.cutLoops = context.device().software;
+        features.subgroups = scattered && context.limits().subgroups;
+        return features;
+    }
+    BatchTracer(const GlContext& context, const Atlas& atlas, const QuerySettings& settings,
+                const SceneFeatures& features, std::size_t rayCount, ProgramCache& programs)
+        : BatchTracer(context, atlas, settings,
+                      planResources(atlas, features, ShaderKind::Query,
+                                    settings.limits.value_or(context.limits().resources), "atlas"),
+                      rayCount, programs) {}
+    BatchTracer(const GlContext& context, const Atlas& atlas, const QuerySettings& settings,
+                const ResourcePlan& plan, std::size_t rayCount, ProgramCache& programs)
+        : gpuAtlas_(uploadAtlas(atlas, plan, context.limits(), 0, "atlas", settings.pieceBytes)),
+          gpuRays_(rayCount, plan.features, context.limits(), settings.maxBatch,
+                   plan.features.subgroups ? std::nullopt : std::optional(3u)),
+          program_(programs.of(plan)), software_(context.device().software) {}
+
+    GpuAtlas gpuAtlas_;
+    GpuRays gpuRays_;
+    const GlProgram& program_;
+    bool software_;
+};
+
 template <class Record>
 std::vector<Record> traceVariant(const GlContext& context, const Atlas& atlas,
                                  const std::vector<QueryRay>& rays, const QuerySettings& settings,
                                  bool scattered) {
-    const ResourceLimits limits = settings.limits.value_or(context.limits().resources);
-    SceneFeatures features = queryFeatures(atlas, settings.anyHit);
-    features.doublePrecision = std::is_same_v<Record, QueryHitDouble>;
-    features.intersect = settings.intersect;
-    features.scatteredRays = scattered;
-    features.cutLoops = context.device().software;
-    features.subgroups = scattered && context.limits().subgroups;
-    const ResourcePlan plan = planResources(atlas, features, ShaderKind::Query, limits, "atlas");
-    const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, context.limits(), 0, "atlas", settings.pieceBytes);
-    const std::optional<unsigned> several = features.subgroups ? std::nullopt : std::optional(3u);
-    GpuRays gpuRays(rays.size(), features, context.limits(), settings.maxBatch, several);
-    const GlProgram program = compileVariant(plan);
-    gpuAtlas.bind();
-    if (scattered) { // other hits, so that none of those wanted can be left over from before
-        std::vector<QueryRay> backwards(rays.rbegin(), rays.rend());
-        backwards.resize(std::min<std::size_t>(rays.size(), gpuRays.batchSize()));
-        gpuRays.upload(backwards);
-        gpuRays.trace(program, 1, context.device().software);
-    }
+    ProgramCache programs;
+    BatchTracer<Record> tracer(context, atlas, settings, scattered, rays.size(), programs);
+    if (scattered) tracer.traceBackwards(rays);
     std::vector<Record> hits(rays.size());
-    for (std::size_t first = 0; first < rays.size(); first += gpuRays.batchSize()) {
-        const std::size_t count = std::min<std::size_t>(gpuRays.batchSize(), rays.size() - first);
-        gpuRays.upload(std::span(rays).subspan(first, count));
-        gpuRays.trace(program, 1, context.device().software);
-        gpuRays.readHits(std::as_writable_bytes(std::span(hits).subspan(first, count)));
+    for (std::size_t first = 0; first < rays.size(); first += tracer.batchSize()) {
+        const std::size_t count = std::min(tracer.batchSize(), rays.size() - first);
+        tracer.trace(std::span(rays).subspan(first, count), std::span(hits).subspan(first, count));
     }
     return hits;
 }

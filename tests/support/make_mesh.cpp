@@ -63,6 +63,11 @@ Mesh makeTriangles(const std::vector<glm::vec3>& corners) {
     return withGreyMaterial(corners, std::move(normals), std::move(triangles));
 }
 
+Mesh makeIndexed(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles) {
+    std::vector<glm::vec3> normals(positions.size(), glm::vec3(0.0f, 0.0f, 1.0f));
+    return withGreyMaterial(std::move(positions), std::move(normals), std::move(triangles));
+}
+
 Mesh makeSphere(int subdivisions, float radius) {
     const float g = 1.618033989f; // golden ratio
     std::vector<glm::vec3> vertices = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
@@ -97,6 +102,22 @@ Mesh makeTorus(float radius, float tube, int around, int across) {
             triangles.emplace_back(at(i, j), at(i + 1, j + 1), at(i, j + 1));
         }
     return withGreyMaterial(std::move(positions), std::move(normals), std::move(triangles));
+}
+
+Mesh makeSheet(int alongX, int alongY) {
+    std::vector<glm::vec3> positions;
+    std::vector<glm::uvec3> triangles;
+    for (int j = 0; j <= alongY; ++j)
+        for (int i = 0; i <= alongX; ++i) {
+            positions.emplace_back(2.0f * static_cast<float>(i) / static_cast<float>(alongX) - 1.0f,
+                                   2.0f * static_cast<float>(j) / static_cast<float>(alongY) - 1.0f, 0.0f);
+            if (i == alongX || j == alongY) continue;
+            const auto at = static_cast<std::uint32_t>(j * (alongX + 1) + i);
+            const auto above = at + static_cast<std::uint32_t>(alongX) + 1;
+            triangles.emplace_back(at, at + 1, above + 1);
+            triangles.emplace_back(at, above + 1, above);
+        }
+    return makeIndexed(std::move(positions), std::move(triangles));
 }
 
 Mesh makeBox(const glm::vec3& lo, const glm::vec3& hi) {

@@ -16,6 +16,9 @@ Material greyMaterial();
 /// Mesh of the given corners, three per triangle, not shared between triangles; flat normals.
 Mesh makeTriangles(const std::vector<glm::vec3>& corners);
 
+/// Mesh of the given vertices and triangles; every normal is +z.
+Mesh makeIndexed(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles);
+
 /// Closed sphere around the origin: an icosahedron split `subdivisions` times, 20 * 4^subdivisions triangles,
 /// shared vertices, smooth outward normals.
 Mesh makeSphere(int subdivisions, float radius = 1.0f);
@@ -23,6 +26,10 @@ Mesh makeSphere(int subdivisions, float radius = 1.0f);
 /// Closed torus around the z axis: `around` times `across` quads of two triangles, shared vertices, smooth
 /// outward normals. `radius` is that of the tube's middle, `tube` the tube's own.
 Mesh makeTorus(float radius, float tube, int around, int across);
+
+/// The square from -1 to 1 of the plane z = 0: `alongX` times `alongY` quads of two triangles, shared
+/// vertices.
+Mesh makeSheet(int alongX, int alongY);
 
 /// Closed box of 12 triangles, 24 vertices, flat outward normals.
 Mesh makeBox(const glm::vec3& lo, const glm::vec3& hi);
