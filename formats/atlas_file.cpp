@@ -136,7 +136,7 @@ void validateShading(const Atlas& atlas, const Validator& check) {
     check.requireEach(atlas.triangles, "triangle", [&](const TriangleRecord& t) {
         const auto index = static_cast<std::size_t>(&t - atlas.triangles.data());
         return finite3(t.v0) && finite3(t.v1) && finite3(t.v2) &&
-               std::bit_cast<std::uint32_t>(t.v0.w) == index;
+               std::bit_cast<std::uint32_t>(t.v0.w) == index && (t.v1.w == 0.0f || t.v1.w == 1.0f);
     });
     check.requireEach(atlas.triangleVertices, "triangle", [&](const glm::uvec4& t) {
         return t.x < vertexCount && t.y < vertexCount && t.z < vertexCount && t.w < atlas.materials.size();

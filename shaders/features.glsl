@@ -24,6 +24,9 @@
 #ifndef RT_COUNT_WORK
 #error "RT_COUNT_WORK is not defined"
 #endif
+#ifndef RT_HAS_SLIVERS
+#error "RT_HAS_SLIVERS is not defined"
+#endif
 #ifndef RT_HAS_TEXTURES
 #error "RT_HAS_TEXTURES is not defined"
 #endif
@@ -51,6 +54,7 @@ const bool kScatteredRays = RT_SCATTERED_RAYS != 0; // the host then takes query
 const bool kSubgroups = RT_SUBGROUPS != 0;
 const bool kCutLoops = RT_CUT_LOOPS != 0;
 const bool kCountWork = RT_COUNT_WORK != 0;
+const bool kHasSlivers = RT_HAS_SLIVERS != 0;
 const bool kHasTextures = RT_HAS_TEXTURES != 0;
 const bool kHasReflection = RT_HAS_REFLECTION != 0;
 const bool kHasTransmission = RT_HAS_TRANSMISSION != 0;

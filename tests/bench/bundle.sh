@@ -10,7 +10,7 @@ stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
 mkdir -p "$stage/rt-tools/bin" "$stage/rt-tools/lib"
 for tool in rt-import rt-grid rt-trace rt-compare rt_make_rays rt_check_hits \
-    rt_measure_hits rt_box_filter; do
+    rt_measure_hits rt_box_filter rt_stress_tests; do
     case $tool in rt_*) [ -f "$bin/$tool" ] || continue ;; esac
     cp "$bin/$tool" "$stage/rt-tools/bin/"
     strip "$stage/rt-tools/bin/$tool"

@@ -30,7 +30,8 @@ struct DoubleReferee::Claim {
     Point point() const { return origin + along * distance; }
 };
 
-DoubleReferee::DoubleReferee(const Mesh& mesh, const GridParams& grid) : mesh_(mesh), grid_(grid) {
+DoubleReferee::DoubleReferee(const Mesh& mesh, const Atlas& atlas) : mesh_(mesh), atlas_(atlas) {
+    const GridParams& grid = atlas.grid;
     const glm::vec3 lo(grid.gridLo);
     const glm::vec3 size = glm::vec3(grid.dims) * glm::vec3(grid.cellSize);
     const glm::vec3 largest = glm::max(glm::abs(lo), glm::abs(lo + size));
@@ -94,7 +95,10 @@ long double DoubleReferee::planeBlur(const Claim& claim, std::uint32_t triangle)
     const Point edge1 = t.b - t.a, edge2 = t.c - t.a;
     const long double size = glm::length(edge1) * glm::length(edge2);
     const long double facing = std::abs(glm::dot(glm::cross(edge1, edge2), claim.along));
-    return facing > kSlender * size ? kPlaneRoundings * kRoundoff * gridWorld_ * size / facing : 0.0L;
+    const bool isSliver = atlas_.triangles[triangle].v1.w != 0.0f;
+    return facing > (isSliver ? kSlender * size : 0.0L)
+               ? kPlaneRoundings * kRoundoff * gridWorld_ * size / facing
+               : 0.0L;
 }
 
 // The claimed point is on the triangle.
@@ -142,7 +146,7 @@ bool DoubleReferee::isWrong(const QueryRay& ray, const QueryHit& hit, const Quer
     if (isMiss && !found) return false;
     if (!isMiss && (hit.tuvId.w >= mesh_.triangles.size() || !std::isfinite(t))) return true;
 
-    const Point offset(glm::vec3(grid_.worldOffset));
+    const Point offset(glm::vec3(atlas_.grid.worldOffset));
     const Point moved = glm::mix(origin - offset, Point(0.0L), glm::equal(offset, Point(0.0L)));
     const long double lateral = kLateralRoundings * kRoundoff * (gridWorld_ + glm::length(moved));
     const long double reach = length * (isMiss ? static_cast<long double>(reference.t) : t);

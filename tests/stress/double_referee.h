@@ -1,5 +1,5 @@
 #pragma once
-#include "formats/atlas.shared.h"
+#include "formats/atlas.h"
 #include "formats/gpu_interface.shared.h"
 #include "formats/mesh.h"
 
@@ -17,11 +17,13 @@ namespace rt::test {
 /// at the grid's border, one of each corner minus the origin, five of the shear and three of the edge
 /// functions come to about 10 e (|corner of the grid| + diagonal); 16 e are allowed. Rays from outside are
 /// exact as far as the border but for the subtraction of the atlas' offset, where it has one. Along the ray,
-/// t itself has four roundings.
+/// t itself has four roundings, and the distance to a triangle's plane eight, divided by how much the plane
+/// faces the ray; slivers, as the atlas marks them, keep to the first four where that would be more than 2^12
+/// times as much.
 class DoubleReferee {
 public:
     /// Both must outlive it.
-    DoubleReferee(const Mesh& mesh, const GridParams& grid);
+    DoubleReferee(const Mesh& mesh, const Atlas& atlas);
 
     bool isWrong(const QueryRay& ray, const QueryHit& hit, const QueryHitDouble& reference) const;
 
@@ -44,7 +46,7 @@ private:
     static long double distanceTo(const Point& p, const Corners& t);
 
     const Mesh& mesh_;
-    const GridParams& grid_;
+    const Atlas& atlas_;
     std::vector<glm::dvec4> balls_; // round each triangle: centre and radius
     long double gridWorld_;         // largest coordinate of the grid and its diagonal
 };

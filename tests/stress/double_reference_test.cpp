@@ -69,7 +69,7 @@ protected:
         for (const std::uint32_t structure : {kStructureCloud, kStructureNested}) {
             const Atlas atlas = test::makeAtlas(mesh, structure, {32, 31, 30});
             const RayTargets targets(mesh, atlas.grid);
-            const test::DoubleReferee referee(mesh, atlas.grid);
+            const test::DoubleReferee referee(mesh, atlas);
             expectBruteForce(name, mesh, atlas);
             expectNoneWrong({name + (structure == kStructureCloud ? ", cloud" : ", nested"), atlas,
                              [&](RayNumbers& numbers) { return randomRay(targets, numbers); },

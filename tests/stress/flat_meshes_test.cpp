@@ -120,7 +120,7 @@ TEST_F(Stacks, LayersOneUlpApartAreHitAtTheNearestDistance) {
         const FlatScene scene = layers(1, orientation);
         const Atlas atlas = test::makeAtlas(scene.mesh, kStructureNested, glm::uvec3(kLayers));
         const RayTargets inner(scene.inner, atlas.grid);
-        const test::DoubleReferee referee(scene.mesh, atlas.grid);
+        const test::DoubleReferee referee(scene.mesh, atlas);
         const auto makeRay = [&](RayNumbers& numbers) { return rayAtSheet(scene, inner, numbers); };
         const std::string name = fmt::format("layers 1 ulp apart, {}", orientation.name);
         const bool isAligned = orientation.normal.x * orientation.normal.y == 0.0f; // not tilted

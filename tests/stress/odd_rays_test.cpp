@@ -68,7 +68,7 @@ protected:
     }
     static void expectAsInDouble(const std::string& name, const MakeRayIn& makeRay) {
         const Scene scene(test::closedTorus(), kStructureNested);
-        const test::DoubleReferee referee(scene.closed.mesh, scene.atlas.grid);
+        const test::DoubleReferee referee(scene.closed.mesh, scene.atlas);
         expectNoneWrong({name + ", " + scene.closed.name, scene.atlas,
                          [&](RayNumbers& numbers) { return makeRay(scene, numbers); },
                          [&](const QueryRay& ray, const QueryHit& hit, const QueryHitDouble* reference) {

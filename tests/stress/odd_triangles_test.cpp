@@ -96,7 +96,7 @@ protected:
     static void expectAsInDouble(const std::string& name, const Mesh& mesh, unsigned part = 1) {
         const Atlas atlas = test::makeAtlas(mesh, kStructureNested, kDims);
         const RayTargets targets(mesh, atlas.grid);
-        const test::DoubleReferee referee(mesh, atlas.grid);
+        const test::DoubleReferee referee(mesh, atlas);
         const auto makeRay = [&](RayNumbers& numbers) {
             const glm::vec3 near = targets.anywhere(numbers);
             const glm::vec3 origin = near + targets.diagonal() * numbers.direction();

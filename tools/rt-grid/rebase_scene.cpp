@@ -55,6 +55,23 @@ Rebase chooseRebase(const Bounds& bounds) {
     return rebase;
 }
 
+namespace {
+
+double sumOfSizes(const glm::dvec3& v) {
+    return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+}
+
+// A float normal, the product of two edges, is off by about 2^-23 of that product, and a hit by its part of
+// the triangle's length: by more than 2^-14, where the scene's size is about 1, for these.
+bool isSliver(const TriangleRecord& t) {
+    const glm::dvec3 edge1 = glm::dvec3(t.v1) - glm::dvec3(t.v0), edge2 = glm::dvec3(t.v2) - glm::dvec3(t.v0);
+    const double length = std::max(sumOfSizes(edge1), sumOfSizes(edge2));
+    const double product = sumOfSizes(edge1) * sumOfSizes(edge2);
+    return 0x1p-23 * product * length > 0x1p-14 * sumOfSizes(glm::cross(edge1, edge2));
+}
+
+} // namespace
+
 FreshArray<TriangleRecord> rebaseTriangles(const Mesh& mesh, const Rebase& rebase) {
     FreshArray<TriangleRecord> records(mesh.triangles.size());
     const auto rebased = [&](std::uint32_t vertex, float w) {
@@ -64,6 +81,7 @@ FreshArray<TriangleRecord> rebaseTriangles(const Mesh& mesh, const Rebase& rebas
         const glm::uvec3& t = mesh.triangles[i];
         const auto index = std::bit_cast<float>(static_cast<std::uint32_t>(i));
         records[i] = {rebased(t.x, index), rebased(t.y, 0.0f), rebased(t.z, 0.0f)};
+        if (isSliver(records[i])) records[i].v1.w = 1.0f;
     });
     return records;
 }

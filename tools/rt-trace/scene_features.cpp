@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 #include <vector>
 
 namespace rt {
@@ -19,6 +23,7 @@ std::span<const FeatureRow> featureTable() {
         {"RT_CUT_LOOPS", &SceneFeatures::cutLoops,
          "the device is software, which ends loops after 65,535 rounds"},
         {"RT_COUNT_WORK", &SceneFeatures::countWork, "--stats was asked for"},
+        {"RT_HAS_SLIVERS", &SceneFeatures::hasSlivers, "the atlas marks triangles as slivers"},
         {"RT_HAS_TEXTURES", &SceneFeatures::hasTextures, "a material in use has a base-colour image"},
         {"RT_HAS_REFLECTION", &SceneFeatures::hasReflection, "a material in use reflects"},
         {"RT_HAS_TRANSMISSION", &SceneFeatures::hasTransmission, "a material in use transmits"},
@@ -30,12 +35,26 @@ std::span<const FeatureRow> featureTable() {
     return kTable;
 }
 
+namespace {
+
+bool hasSlivers(std::span<const TriangleRecord> triangles) {
+    using Range = tbb::blocked_range<std::size_t>;
+    const auto anyIn = [&](const Range& range, bool found) {
+        return found || std::any_of(&triangles[range.begin()], &triangles[range.begin()] + range.size(),
+                                    [](const TriangleRecord& t) { return t.v1.w != 0.0f; });
+    };
+    return tbb::parallel_reduce(Range(0, triangles.size(), 1u << 14), false, anyIn, std::logical_or<>());
+}
+
+} // namespace
+
 SceneFeatures renderFeatures(const Atlas& atlas, unsigned maxDepth, std::size_t lightCount) {
     std::vector<bool> used(atlas.materials.size());
     for (const glm::uvec4& triangle : atlas.triangleVertices)
         if (triangle.w < used.size()) used[triangle.w] = true; // the check of the file may still be running
     SceneFeatures features;
     features.structure = atlas.grid.dims.w;
+    features.hasSlivers = hasSlivers(atlas.triangles);
     features.hasLights = lightCount > 0;
     for (std::size_t i = 0; i < used.size(); ++i) {
         if (!used[i]) continue;
@@ -53,6 +72,7 @@ SceneFeatures renderFeatures(const Atlas& atlas, unsigned maxDepth, std::size_t 
 SceneFeatures queryFeatures(const Atlas& atlas, bool anyHit) {
     SceneFeatures features;
     features.structure = atlas.grid.dims.w;
+    features.hasSlivers = hasSlivers(atlas.triangles);
     features.anyHit = anyHit;
     return features;
 }

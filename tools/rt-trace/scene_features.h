@@ -17,6 +17,7 @@ struct SceneFeatures {
     unsigned subgroups = 0;
     unsigned cutLoops = 0;
     unsigned countWork = 0;
+    unsigned hasSlivers = 0;
     unsigned hasTextures = 0;
     unsigned hasReflection = 0;
     unsigned hasTransmission = 0;
