@@ -76,6 +76,11 @@ struct TriangleTransform {
     vec4 v;
     vec4 plane;
 };
+struct TriangleTransformDouble {
+    dvec4 u;
+    dvec4 v;
+    dvec4 plane;
+};
 
 struct QueryHitDouble {
     double t, u, v; // world; t = -1: miss

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
+#include <glm/ext/vector_double4.hpp>
 #include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/packing.hpp>
@@ -17,6 +18,7 @@
 #define RT_SHARED_CONST inline constexpr
 #define RT_SHARED_FN inline
 namespace rt {
+using glm::dvec4;
 using glm::ivec3;
 using glm::ivec4;
 using glm::mat4;

@@ -118,15 +118,20 @@ Hit intersectMollerTrumbore(Ray ray, TriangleRecord triangle, Hit best) {
     return best;
 }
 
-real fixedAffine(vec4 row, real3 point) {
-    precise real sum = fma(real(row.x), point.x, fma(real(row.y), point.y, fma(real(row.z), point.z, real(row.w))));
+real fixedAffine(real4 row, real3 point) {
+    precise real sum = fma(row.x, point.x, fma(row.y, point.y, fma(row.z, point.z, row.w)));
     return sum;
 }
 
 // Baldwin & Weber 2016: into the space where the triangle is (0,0), (1,0), (0,1), by a stored transform.
-Hit intersectTransformed(Ray ray, TriangleTransform triangle, uint id, Hit best) {
+#if RT_DOUBLE
+#define RealTransform TriangleTransformDouble
+#else
+#define RealTransform TriangleTransform
+#endif
+Hit intersectTransformed(Ray ray, RealTransform triangle, uint id, Hit best) {
     real toPlane = fixedAffine(triangle.plane, ray.origin);
-    precise real t = -toPlane / fixedDot(real3(triangle.plane.xyz), ray.direction);
+    precise real t = -toPlane / fixedDot(triangle.plane.xyz, ray.direction);
     precise real3 point = fma(ray.direction, real3(t), ray.origin);
     real u = fixedAffine(triangle.u, point);
     real v = fixedAffine(triangle.v, point);

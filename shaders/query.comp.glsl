@@ -16,7 +16,7 @@ void main() {
     uint index = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * uint(RT_GROUP_X) + gl_LocalInvocationID.x;
     if (index >= query.count.x) return;
     HitRecord result = kMiss;
-    WorkCounters work = WorkCounters(0u, 0u, 0u);
+    WorkCounters work = WorkCounters(0u, 0u, 0u, 0u);
     QueryRay next = rays[index];
     if (isTraceable(next)) {
         real tScale;

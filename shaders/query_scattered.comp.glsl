@@ -49,7 +49,7 @@ void main() {
             if (more) {
                 QueryRay next = rays[index];
                 bool traceable = isTraceable(next);
-                work = WorkCounters(traceable ? 1u : 0u, 0u, 0u);
+                work = WorkCounters(traceable ? 1u : 0u, 0u, 0u, 0u);
                 Ray ray = toAtlas(next, tScale);
                 bool enters = enterGrid(ray, tEnter);
                 w = beginWalk(ray);

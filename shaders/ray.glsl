@@ -18,6 +18,7 @@ struct WorkCounters {
     uint rays;
     uint steps; // voxels or leaps
     uint tests; // triangles
+    uint selfHits; // rays that hit the triangle which they had just left
 };
 
 // 2^exponent, exactly; -126 <= exponent <= 127.

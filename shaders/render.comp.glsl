@@ -31,7 +31,7 @@ struct Pixel {
 Pixel renderPixel(real3 direction, inout WorkCounters work) {
     Pixel pixel = Pixel(vec4(0.0f), vec4(0.0f), kNoTriangle);
     Pending stack[kStackSize];
-    stack[0] = Pending(real3(camera.eye.xyz), direction, vec3(1.0f), 0u);
+    stack[0] = Pending(real3(camera.eye.xyz), direction, vec3(1.0f), 0u, kNoTriangle);
     uint stackCount = 1u;
     while (stackCount > 0u) {
         Pending current = stack[--stackCount];
@@ -41,6 +41,7 @@ Pixel renderPixel(real3 direction, inout WorkCounters work) {
             pixel.color.rgb += current.weight * camera.background.rgb;
             continue;
         }
+        if (kCountWork && hit.triangle == current.from) work.selfHits += 1u;
         Surface s = surfaceAt(ray, hit);
         if (current.depth == 0u) {
             real depthWorld = hit.t * dot(direction, real3(camera.forward.xyz)) / grid.worldOffset.w;
@@ -58,13 +59,13 @@ Pixel renderPixel(real3 direction, inout WorkCounters work) {
 void main() {
     uvec2 xy = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y + camera.size.z);
     if (xy.x >= camera.size.x || xy.y >= camera.size.y) return;
-    WorkCounters work = WorkCounters(0u, 0u, 0u);
+    WorkCounters work = WorkCounters(0u, 0u, 0u, 0u);
     Pixel pixel = renderPixel(pixelDirection(xy), work);
     ivec2 texel = ivec2(xy);
     imageStore(colorImage, texel, pixel.color);
     imageStore(surfaceImage, texel, pixel.surface);
     imageStore(idImage, texel, uvec4(pixel.id));
 #if RT_COUNT_WORK
-    imageStore(counterImage, texel, uvec4(work.rays, work.steps, work.tests, 0u));
+    imageStore(counterImage, texel, uvec4(work.rays, work.steps, work.tests, work.selfHits));
 #endif
 }

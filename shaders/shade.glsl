@@ -11,6 +11,7 @@ vec3 directLight(Surface s, AtlasLight light, inout WorkCounters work) {
     if (!(cosine > 0.0f) || dot(s.geometricNormal, toLight) <= 0.0f) return vec3(0.0f);
     real3 origin = leaveSurface(s, toLight);
     Hit blocker = trace(Ray(origin, light.positionAtlas.xyz - origin, 0.0f, 1.0f), true, work);
+    if (kCountWork && blocker.triangle == s.triangle) work.selfHits += 1u;
     if (blocker.triangle != kNoTriangle) return vec3(0.0f);
     return s.albedo * light.intensityAtlas.rgb * float(cosine / (kPi * squaredDistance));
 }
@@ -33,6 +34,7 @@ struct Pending {
     real3 direction;
     vec3 weight;
     uint depth;
+    uint from; // triangle that it leaves; kNoTriangle at the eye
 };
 
 // Each hit takes one ray off the stack and puts at most two on it, each one deeper.
@@ -60,11 +62,11 @@ void pushChildren(Pending from, Surface s, inout Pending stack[kStackSize], inou
         } else if (counts(weight * s.albedo)) {
             // The interpolated normal may bend a grazing ray back to its own side; it then goes straight on.
             real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
-            stack[stackCount++] = Pending(leaveSurface(s, through), through, weight * s.albedo, from.depth + 1u);
+            stack[stackCount++] = Pending(leaveSurface(s, through), through, weight * s.albedo, from.depth + 1u, s.triangle);
         }
     }
     if ((kHasReflection || kHasTransmission) && counts(reflectedWeight)) {
         real3 mirror = mirrored(from.direction, s);
-        stack[stackCount++] = Pending(leaveSurface(s, mirror), mirror, reflectedWeight, from.depth + 1u);
+        stack[stackCount++] = Pending(leaveSurface(s, mirror), mirror, reflectedWeight, from.depth + 1u, s.triangle);
     }
 }

@@ -1,7 +1,8 @@
 // What a ray finds at a hit, in atlas space.
 struct Surface {
+    uint triangle;
     real3 position;
-    real3 positionError; // bound of the rounding error of each coordinate
+    real3 positionError; // bound of the rounding error of each coordinate, and of the plane that triangle tests see
     real3 geometricNormal; // unit, on the side that the ray came from
     real3 normal; // interpolated, unit, on that same side
     vec3 albedo; // linear
@@ -59,13 +60,23 @@ real3 interpolateNormal(uvec4 vertices, real3 weights, real3 fallback) {
     return squaredLength > 1e-12f ? n * inversesqrt(squaredLength) : fallback;
 }
 
-// Unit normal; edges are scaled to unit size first, since the cross product of tiny ones would underflow. `fallback`
-// where the corners are in line as far as floats can tell.
-real3 faceNormal(TriangleRecord triangle, real3 fallback) {
+// Unit normal, and the sine of the angle at v0; edges are scaled to unit size first, since the cross product of tiny ones would
+// underflow. `fallback` where the corners are in line as far as floats can tell.
+real3 faceNormal(TriangleRecord triangle, real3 fallback, out real sine) {
     real3 v0 = real3(triangle.v0.xyz);
     real3 n = cross(normalize(real3(triangle.v1.xyz) - v0), normalize(real3(triangle.v2.xyz) - v0));
-    real squaredLength = dot(n, n);
-    return squaredLength > 0.0f ? n * inversesqrt(squaredLength) : normalize(fallback);
+    sine = sqrt(dot(n, n));
+    return sine > 0.0f ? n / sine : normalize(fallback);
+}
+
+const real kLeastSine = 1.0f / 64.0f; // more slender triangles would move rays too far
+
+// How far a triangle test, which works from v0 on, may see the plane beside itself: the edges, their product and its product
+// with the way to v0 are rounded, and the slenderer the triangle, the more its normal turns by that.
+real3 planeError(TriangleRecord triangle, real sine) {
+    real3 v0 = real3(triangle.v0.xyz);
+    real3 reach = abs(real3(triangle.v1.xyz) - v0) + abs(real3(triangle.v2.xyz) - v0);
+    return gammaBound(8.0f) / max(sine, kLeastSine) * reach;
 }
 
 Surface surfaceAt(Ray ray, Hit hit) {
@@ -75,11 +86,13 @@ Surface surfaceAt(Ray ray, Hit hit) {
     real3 weights = real3(1.0f - hit.u - hit.v, hit.u, hit.v);
     real3 v0 = weights.x * real3(triangle.v0.xyz), v1 = weights.y * real3(triangle.v1.xyz), v2 = weights.z * real3(triangle.v2.xyz);
     Surface s;
+    s.triangle = hit.triangle;
     // From the weights, not along the ray: the error is then that of the triangle, however far the ray has come
     // (Pharr, Jakob & Humphreys 2016, section 3.9).
     s.position = v0 + v1 + v2;
-    s.positionError = gammaBound(7.0f) * (abs(v0) + abs(v1) + abs(v2));
-    real3 outward = faceNormal(triangle, -ray.direction);
+    real sine;
+    real3 outward = faceNormal(triangle, -ray.direction, sine);
+    s.positionError = gammaBound(7.0f) * (abs(v0) + abs(v1) + abs(v2)) + planeError(triangle, sine);
     bool entering = dot(outward, ray.direction) <= 0.0f;
     s.geometricNormal = entering ? outward : -outward;
     s.normal = interpolateNormal(vertices, weights, outward);

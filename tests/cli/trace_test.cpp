@@ -79,7 +79,8 @@ TEST_F(TraceCommand, RendersEveryOutputAndTheFigures) {
     EXPECT_TRUE(json.at("device").is_string());
     EXPECT_EQ(json.at("atlas").at("triangles"), 1280);
     EXPECT_EQ(json.at("width"), 64);
-    EXPECT_EQ(json.at("features").size(), 14u);
+    EXPECT_EQ(json.at("selfHits"), 0);
+    EXPECT_EQ(json.at("features").size(), 15u);
 }
 
 TEST_F(TraceCommand, ReproduciblePicturesAreTheSameBytes) {

@@ -1,8 +1,6 @@
 // Pictures: shader variants, and what a picture holds.
 #include "formats/image.h"
-#include "tests/gpu/trace_fixture.h"
-#include "tools/rt-trace/lights.h"
-#include "tools/rt-trace/render.h"
+#include "tests/gpu/render_fixture.h"
 #include "tools/rt-trace/render_image.h"
 
 #include <glm/geometric.hpp>
@@ -16,44 +14,16 @@ namespace {
 
 constexpr glm::uvec2 kSize(70, 133); // no multiples of the tile size, and several bands of rows
 
-BoundsD boundsOfAtlas(const Atlas& atlas) {
-    const AtlasInfo& info = atlas.info;
-    return {{info.worldLo[0], info.worldLo[1], info.worldLo[2]},
-            {info.worldHi[0], info.worldHi[1], info.worldHi[2]}};
-}
-
 CameraPose defaultPose(const Atlas& atlas) {
-    return placeCamera({}, boundsOfAtlas(atlas), double(kSize.x) / kSize.y);
+    return placeCamera({}, test::boundsOfAtlas(atlas), double(kSize.x) / kSize.y);
 }
 
 class Rendering : public test::OnGpu {
 protected:
-    struct Result {
-        FilmPixels pixels;
-        std::vector<glm::uvec4> counters;
-    };
-
-    static Result render(const Atlas& atlas, const SceneFeatures& features,
-                         const std::optional<ResourceLimits>& resourceLimits = {}) {
-        const CameraPose pose = defaultPose(atlas);
-        const auto lights = chooseLights({}, atlas, boundsOfAtlas(atlas), pose);
-        const ResourcePlan plan = planResources(atlas, features, ShaderKind::Render,
-                                                resourceLimits.value_or(limits().resources), "atlas");
-        const GpuAtlas gpuAtlas = uploadAtlas(
-            atlas, plan, limits(), static_cast<unsigned>(features.hasLights ? lights.size() : 0), "atlas");
-        CameraParams camera = cameraInAtlas(pose, double(kSize.x) / kSize.y, atlas.grid);
-        camera.background = glm::vec4(0.25f, 0.5f, 0.75f, 0.0f);
-        camera.ambient = glm::vec4(0.1f);
-        camera.size = {kSize, 0, 0};
-        const GpuView view(camera, lights);
-        const Film film(kSize, features.countWork, limits());
-        const GlProgram program = compileVariant(plan);
-        gpuAtlas.bind();
-        view.bind();
-        film.bind();
-        finishCompiling(program, view);
-        renderRows(program, view, *context);
-        return {film.read(), features.countWork ? film.readCounters() : std::vector<glm::uvec4>()};
+    static test::Picture render(const Atlas& atlas, const SceneFeatures& features,
+                                const std::optional<ResourceLimits>& resourceLimits = {}) {
+        return test::renderPicture(*context, atlas, {features, defaultPose(atlas), kSize},
+                                   resourceLimits.value_or(limits().resources));
     }
 
     static SceneFeatures featuresOf(const Atlas& atlas) { return renderFeatures(atlas, 4, 2); }
@@ -181,7 +151,7 @@ TEST_F(Rendering, CountsWorkWithoutChangingThePicture) {
     SceneFeatures features = featuresOf(atlas);
     const FilmPixels plain = render(atlas, features).pixels;
     features.countWork = 1;
-    const Result counted = render(atlas, features);
+    const test::Picture counted = render(atlas, features);
     EXPECT_LE(largestDifference(plain, counted.pixels), 1e-6f);
     for (std::size_t i = 0; i < counted.counters.size(); ++i) {
         const glm::uvec4& counter = counted.counters[i];

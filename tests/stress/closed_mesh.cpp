@@ -109,6 +109,12 @@ std::vector<glm::vec3> findInsides(const Mesh& mesh) {
 
 } // namespace
 
+ClosedMesh Placement::of(const ClosedMesh& closed) const {
+    ClosedMesh placed{closed.name + ", " + name, moved(closed.mesh, scale, offset), closed.insides};
+    for (glm::vec3& p : placed.insides) p = p * scale + offset;
+    return placed;
+}
+
 ClosedMesh closedSphere() {
     return {"sphere", makeSphere(4), {{0.0f, 0.0f, 0.0f}, {0.1f, -0.2f, 0.05f}}};
 }

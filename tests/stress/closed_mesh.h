@@ -13,6 +13,27 @@ struct ClosedMesh {
     std::vector<glm::vec3> insides;
 };
 
+/// Where a mesh is put: p * scale + offset.
+struct Placement {
+    const char* name;
+    float scale;
+    glm::vec3 offset;
+
+    ClosedMesh of(const ClosedMesh& closed) const;
+};
+
+inline const Placement kPlacements[] = {
+    {"as it is", 1.0f, glm::vec3(0.0f)},
+    {"scale 1e-12", 1e-12f, glm::vec3(0.0f)},
+    {"scale 1e-6", 1e-6f, glm::vec3(0.0f)},
+    {"scale 1e6", 1e6f, glm::vec3(0.0f)},
+    {"scale 1e12", 1e12f, glm::vec3(0.0f)},
+    {"offset 1e3 sizes", 0.3f, {300.0f, -170.0f, 20.0f}},
+    {"offset 2e5 sizes", 1.0f, {148376.0f, 1234.0f, -223423.0f}},
+};
+/// Floats are whole numbers there: what is left of the sphere still has an inside, the torus' tube has none.
+inline const Placement kSphereOnly = {"offset 1e7 sizes", 1.0f, {-1e7f, 3e6f, 9e6f}};
+
 ClosedMesh closedSphere();
 ClosedMesh closedTorus();
 /// The model at `path`, imported and closed: vertices at the same place become one, triangles without an area

@@ -13,36 +13,13 @@ namespace rt {
 namespace {
 
 using test::ClosedMesh;
+using test::kPlacements;
+using test::kSphereOnly;
+using test::Placement;
 using test::RayNumbers;
 using test::RayTargets;
 using test::StressCase;
 using test::Tally;
-
-/// Where a mesh is put: p * scale + offset.
-struct Placement {
-    const char* name;
-    float scale;
-    glm::vec3 offset;
-
-    ClosedMesh of(const ClosedMesh& closed) const {
-        ClosedMesh placed{closed.name + ", " + name, test::moved(closed.mesh, scale, offset), closed.insides};
-        for (glm::vec3& p : placed.insides) p = p * scale + offset;
-        return placed;
-    }
-};
-
-const Placement kAsItIs = {"as it is", 1.0f, glm::vec3(0.0f)};
-const Placement kPlacements[] = {
-    kAsItIs,
-    {"scale 1e-12", 1e-12f, glm::vec3(0.0f)},
-    {"scale 1e-6", 1e-6f, glm::vec3(0.0f)},
-    {"scale 1e6", 1e6f, glm::vec3(0.0f)},
-    {"scale 1e12", 1e12f, glm::vec3(0.0f)},
-    {"offset 1e3 sizes", 0.3f, {300.0f, -170.0f, 20.0f}},
-    {"offset 2e5 sizes", 1.0f, {148376.0f, 1234.0f, -223423.0f}},
-};
-// Floats are whole numbers there: what is left of the sphere still has an inside, the torus' tube has none.
-const Placement kSphereOnly = {"offset 1e7 sizes", 1.0f, {-1e7f, 3e6f, 9e6f}};
 
 /// From an inside point at a vertex, at an edge, at a corner of a voxel, or anywhere.
 QueryRay rayInside(const ClosedMesh& closed, const RayTargets& targets, RayNumbers& numbers) {
@@ -118,13 +95,13 @@ TEST_F(ClosedMeshes, NoTestLosesRaysInTheBunnyButTheOthers) {
     ASSERT_FALSE(bunny.insides.empty());
     for (const glm::vec3& inside : bunny.insides)
         ASSERT_NEAR(test::windingNumber(bunny.mesh, inside), 1.0, 1e-6);
-    expectNoLeak(kAsItIs.of(bunny));
-    expectLeaksOfOtherTests(kAsItIs.of(bunny));
+    expectNoLeak(kPlacements[0].of(bunny));
+    expectLeaksOfOtherTests(kPlacements[0].of(bunny));
 }
 
 TEST_F(ClosedMeshes, TheOtherTestsLoseRays) {
     for (const ClosedMesh& closed : {test::closedSphere(), test::closedTorus()})
-        expectLeaksOfOtherTests(kAsItIs.of(closed));
+        expectLeaksOfOtherTests(kPlacements[0].of(closed));
 }
 
 } // namespace

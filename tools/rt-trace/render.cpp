@@ -29,6 +29,7 @@ WorkTotals& WorkTotals::operator+=(const WorkTotals& other) {
     rays += other.rays;
     steps += other.steps;
     tests += other.tests;
+    selfHits += other.selfHits;
     return *this;
 }
 
@@ -38,6 +39,7 @@ WorkTotals sumWork(std::span<const glm::uvec4> counters) {
         totals.rays += counter.x;
         totals.steps += counter.y;
         totals.tests += counter.z;
+        totals.selfHits += counter.w;
     }
     return totals;
 }

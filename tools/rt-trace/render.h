@@ -11,8 +11,9 @@ namespace rt {
 /// What tracing has cost, summed over rays or pixels.
 struct WorkTotals {
     std::uint64_t rays = 0;
-    std::uint64_t steps = 0; ///< voxels or leaps
-    std::uint64_t tests = 0; ///< triangles
+    std::uint64_t steps = 0;    ///< voxels or leaps
+    std::uint64_t tests = 0;    ///< triangles
+    std::uint64_t selfHits = 0; ///< of pictures: rays that hit the triangle which they had just left
 
     WorkTotals& operator+=(const WorkTotals& other);
 };

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <bit>
 #include <memory>
+#include <utility>
 
 namespace rt {
 namespace {
@@ -18,21 +19,27 @@ PagedArray arrayOf(const char* name, const char* type, const char* load, const S
     return {name, type, load, sizeof(T), {bytesOf<T>(values), nullptr}};
 }
 
-PagedArray transformArray(const Atlas& atlas) {
-    const auto transforms =
-        std::make_shared<std::vector<TriangleTransform>>(triangleTransforms(atlas.triangles));
+template <class Transform>
+PagedArray transformArray(const char* type, std::vector<Transform> values) {
+    const auto transforms = std::make_shared<std::vector<Transform>>(std::move(values));
     return {"transforms",
-            "TriangleTransform",
+            type,
             "loadTransform",
-            sizeof(TriangleTransform),
-            {bytesOf<TriangleTransform>(*transforms), transforms}};
+            sizeof(Transform),
+            {bytesOf<Transform>(*transforms), transforms}};
+}
+
+PagedArray transformArray(const Atlas& atlas, bool doublePrecision) {
+    if (doublePrecision)
+        return transformArray("TriangleTransformDouble", triangleTransformsDouble(atlas.triangles));
+    return transformArray("TriangleTransform", triangleTransforms(atlas.triangles));
 }
 
 // The order gives the bindings.
 std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& features, ShaderKind kind) {
     std::vector<PagedArray> arrays = {arrayOf("references", "uint", "loadReference", atlas.references)};
     const bool transformed = features.intersect == kIntersectBaldwinWeber;
-    if (transformed) arrays.push_back(transformArray(atlas));
+    if (transformed) arrays.push_back(transformArray(atlas, features.doublePrecision != 0));
     if (!transformed || kind == ShaderKind::Render)
         arrays.push_back(arrayOf("triangles", "TriangleRecord", "loadTriangle", atlas.triangles));
     if (features.structure == kStructureNested)

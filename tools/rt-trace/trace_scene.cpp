@@ -125,7 +125,10 @@ void writeReport(const TraceOptions& options, const GpuScene& scene, const Camer
     report["width"] = options.size.x;
     report["height"] = options.size.y;
     report["gpuMs"] = rendered.gpuMs;
-    if (rendered.work) reportWork(report, *rendered.work, rendered.gpuMs);
+    if (rendered.work) {
+        reportWork(report, *rendered.work, rendered.gpuMs);
+        report["selfHits"] = rendered.work->selfHits;
+    }
     writeJson(options.common.jsonPath, report);
 }
 

@@ -8,12 +8,7 @@
 namespace rt {
 namespace {
 
-// Row that gives dot(row, point) + w.
-glm::vec4 rowThrough(const glm::dvec3& row, double w) {
-    return {glm::vec3(row), static_cast<float>(w)};
-}
-
-TriangleTransform transformOf(const TriangleRecord& triangle) {
+TriangleTransformDouble transformOf(const TriangleRecord& triangle) {
     const glm::dvec3 v0(triangle.v0);
     const glm::dvec3 edge1 = glm::dvec3(triangle.v1) - v0, edge2 = glm::dvec3(triangle.v2) - v0;
     const glm::dvec3 normal = glm::cross(edge1, edge2);
@@ -26,17 +21,29 @@ TriangleTransform transformOf(const TriangleRecord& triangle) {
     v[next] = -edge1[last] / normal[axis];
     v[last] = edge1[next] / normal[axis];
     const glm::dvec3 plane = normal / normal[axis];
-    return {rowThrough(u, -glm::dot(u, v0)), rowThrough(v, -glm::dot(v, v0)),
-            rowThrough(plane, -glm::dot(plane, v0))};
+    return {glm::dvec4(u, -glm::dot(u, v0)), glm::dvec4(v, -glm::dot(v, v0)),
+            glm::dvec4(plane, -glm::dot(plane, v0))};
+}
+
+template <class Transform>
+std::vector<Transform> transformsOf(std::span<const TriangleRecord> triangles) {
+    std::vector<Transform> transforms(triangles.size());
+    tbb::parallel_for(std::size_t(0), triangles.size(), [&](std::size_t i) {
+        const TriangleTransformDouble exact = transformOf(triangles[i]);
+        using Row = decltype(Transform::u);
+        transforms[i] = {Row(exact.u), Row(exact.v), Row(exact.plane)};
+    });
+    return transforms;
 }
 
 } // namespace
 
 std::vector<TriangleTransform> triangleTransforms(std::span<const TriangleRecord> triangles) {
-    std::vector<TriangleTransform> transforms(triangles.size());
-    tbb::parallel_for(std::size_t(0), triangles.size(),
-                      [&](std::size_t i) { transforms[i] = transformOf(triangles[i]); });
-    return transforms;
+    return transformsOf<TriangleTransform>(triangles);
+}
+
+std::vector<TriangleTransformDouble> triangleTransformsDouble(std::span<const TriangleRecord> triangles) {
+    return transformsOf<TriangleTransformDouble>(triangles);
 }
 
 } // namespace rt

@@ -12,5 +12,7 @@ namespace rt {
 /// longest: one column of each row is then 0 or 1. Computed in double, rounded to float. Not finite for
 /// triangles without an area.
 std::vector<TriangleTransform> triangleTransforms(std::span<const TriangleRecord> triangles);
+/// The same, not rounded.
+std::vector<TriangleTransformDouble> triangleTransformsDouble(std::span<const TriangleRecord> triangles);
 
 } // namespace rt

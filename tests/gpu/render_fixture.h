@@ -1,0 +1,54 @@
+#pragma once
+#include "tests/gpu/trace_fixture.h"
+#include "tools/rt-trace/camera.h"
+#include "tools/rt-trace/film.h"
+#include "tools/rt-trace/lights.h"
+#include "tools/rt-trace/render.h"
+
+namespace rt::test {
+
+struct Picture {
+    FilmPixels pixels;
+    std::vector<glm::uvec4> counters; ///< of each pixel; empty unless work is counted
+};
+
+inline BoundsD boundsOfAtlas(const Atlas& atlas) {
+    const AtlasInfo& info = atlas.info;
+    return {{info.worldLo[0], info.worldLo[1], info.worldLo[2]},
+            {info.worldHi[0], info.worldHi[1], info.worldHi[2]}};
+}
+
+/// What rt-trace does for one picture, with its default lights.
+struct PictureSettings {
+    SceneFeatures features;
+    CameraPose pose;
+    glm::uvec2 size;
+    glm::vec3 background{0.25f, 0.5f, 0.75f};
+    float ambient = 0.1f;
+};
+
+inline Picture renderPicture(const GlContext& context, const Atlas& atlas, const PictureSettings& settings,
+                             const ResourceLimits& resourceLimits) {
+    const SceneFeatures& features = settings.features;
+    const double aspect = double(settings.size.x) / settings.size.y;
+    const auto lights = chooseLights({}, atlas, boundsOfAtlas(atlas), settings.pose);
+    const ResourcePlan plan = planResources(atlas, features, ShaderKind::Render, resourceLimits, "atlas");
+    const GpuAtlas gpuAtlas =
+        uploadAtlas(atlas, plan, context.limits(),
+                    static_cast<unsigned>(features.hasLights ? lights.size() : 0), "atlas");
+    CameraParams camera = cameraInAtlas(settings.pose, aspect, atlas.grid);
+    camera.background = glm::vec4(settings.background, 0.0f);
+    camera.ambient = glm::vec4(settings.ambient);
+    camera.size = {settings.size, 0, 0};
+    const GpuView view(camera, lights);
+    const Film film(settings.size, features.countWork, context.limits());
+    const GlProgram program = compileVariant(plan);
+    gpuAtlas.bind();
+    view.bind();
+    film.bind();
+    finishCompiling(program, view);
+    renderRows(program, view, context);
+    return {film.read(), features.countWork ? film.readCounters() : std::vector<glm::uvec4>()};
+}
+
+} // namespace rt::test
