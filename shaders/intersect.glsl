@@ -113,8 +113,7 @@ Hit intersectMollerTrumbore(Ray ray, TriangleRecord triangle, Hit best) {
     precise real v = fixedDot(ray.direction, q) * inverse;
     precise real t = fixedDot(edge2, q) * inverse;
     uint id = floatBitsToUint(triangle.v0.w);
-    bool nearer = t < best.t || (t == best.t && id < best.triangle);
-    if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= ray.tMin && nearer) best = Hit(t, u, v, id);
+    if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= ray.tMin && isNearer(t, id, best)) best = Hit(t, u, v, id);
     return best;
 }
 
@@ -135,8 +134,7 @@ Hit intersectTransformed(Ray ray, RealTransform triangle, uint id, Hit best) {
     precise real3 point = fma(ray.direction, real3(t), ray.origin);
     real u = fixedAffine(triangle.u, point);
     real v = fixedAffine(triangle.v, point);
-    bool nearer = t < best.t || (t == best.t && id < best.triangle);
-    if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= ray.tMin && nearer) best = Hit(t, u, v, id);
+    if (u >= 0.0f && v >= 0.0f && u + v <= 1.0f && t >= ray.tMin && isNearer(t, id, best)) best = Hit(t, u, v, id);
     return best;
 }
 

@@ -12,9 +12,9 @@ struct GridRay {
     ivec3 toVoxel; // bits to flip in a place for its voxel
 };
 
-// A place is a voxel's whole coordinate, 0 to 2^22, as the bits of the float 2^23 + coordinate: a float becomes a place, and
-// back, by an addition, where conversions take a GPU several times as long. Places can be compared, added to and shifted like
-// numbers. In double precision they are plain numbers.
+// A place is a voxel's whole coordinate as the bits of the float 2^23 + coordinate: a float becomes a place, and back, by an
+// addition, where conversions take a GPU several times as long. Places can be compared, added to and shifted like numbers; those in
+// the grid are below 2^23, and behind it they only have to stay behind it. In double precision they are plain numbers.
 #if RT_DOUBLE
 const int kPlaceZero = 0;
 ivec3 placeAt(real3 position) {
@@ -25,7 +25,8 @@ real3 positionOf(ivec3 place) {
 }
 #else
 const int kPlaceZero = 0x4B000000; // bits of 2^23
-// Rounds to the nearest whole number of position - 0.5, which on a voxel's face may be the voxel on either side.
+// position - 0.5, rounded to the nearest whole number, is the voxel, on its face the one on either side; below 0.25 it may come out
+// before the first voxel, so callers clamp it.
 ivec3 placeAt(real3 position) {
     precise real3 shifted = position + 8388607.5f;
     return floatBitsToInt(shifted);
@@ -95,7 +96,7 @@ ivec3 firstPlace(GridRay g, real tMin) {
     return clamp(placeAt(fma(g.direction, real3(t), g.origin)), least, least + size - 1);
 }
 
-// The grid's voxel that the finest voxel is in; behind the grid it has a coordinate that is, without a sign, too large.
+// The grid's voxel that the finest voxel is in; behind the grid, on an axis that is turned round too, a coordinate is too large.
 ivec3 gridVoxel(ivec3 finest) {
     return finest >> finestLevel();
 }
@@ -135,7 +136,9 @@ real leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
     real t = min(exits.x, min(exits.y, exits.z));
     // Never back, never out of the box but through its exit face, or faces: rounding must not revisit a voxel for ever.
     ivec3 inside = min(max(placeAt(fma(g.direction, real3(t), g.origin)), at), end - 1);
-    at = mix(inside, end, equal(exits, real3(t)));
+    bvec3 leaves = equal(exits, real3(t));
+    leaves.z = leaves.z || !(leaves.x || leaves.y); // whatever the numbers are, the walk goes on
+    at = mix(inside, end, leaves);
     return t;
 }
 
@@ -194,7 +197,7 @@ Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
     return best; // the only way out: with returns in the loop a driver lost 5 to 20 % of the speed
 }
 
-// A sum that is not rounded.
+// A sum with twice the digits.
 struct Sum {
     real3 rounded;
     real3 rest;
@@ -234,7 +237,8 @@ real limitFromEntry(real limit, real tEnter, real sign) {
     return atT * sign <= limit * sign ? t : nearer;
 }
 
-const real kFarAway = 16.0f; // grids
+const real kFarAway = 16.0f; // from where on the entry time is off by voxels; directions and the grid are about unit size
+const real kUnlimited = 1e20f; // where no scene is any more
 
 // Moves the ray's origin to where it enters the grid, at distance tEnter; false if it misses the grid. From there on t counts
 // from the grid's border, so that a far origin does not cost precision inside.
@@ -245,7 +249,7 @@ bool enterGrid(inout Ray ray, out real tEnter) {
     // Three roundings each: the entry is taken as early, the exit as late as it can be.
     tEnter = max(span.x * (1.0f - 2.0f * gammaBound(3.0f)), 0.0f);
     real tLeave = span.y * (1.0f + 2.0f * gammaBound(3.0f));
-    bool enters = tEnter <= tLeave && ray.tMin <= tLeave && tEnter <= ray.tMax;
+    bool enters = tEnter <= tLeave && ray.tMin <= tLeave && tEnter <= ray.tMax && tEnter < kNever;
     if (tEnter > kFarAway) {
         // The time's error may be many grids: a second step leads from there to the border.
         Sum near = moveAlong(Sum(ray.origin, real3(0.0f)), ray.direction, tEnter);
@@ -257,7 +261,7 @@ bool enterGrid(inout Ray ray, out real tEnter) {
         // One rounding, with fma: the new origin lies on the ray, whatever the error of tEnter.
         ray.origin = fma(ray.direction, real3(tEnter), ray.origin);
     }
-    bool isLimited = ray.tMin > 0.0f || ray.tMax < kNever; // few are
+    bool isLimited = ray.tMin > 0.0f || ray.tMax < kUnlimited; // few are
     if (isLimited && tEnter > 0.0f) {
         ray.tMin = ray.tMin > 0.0f ? limitFromEntry(ray.tMin, tEnter, -1.0f) : -tEnter;
         ray.tMax = limitFromEntry(ray.tMax, tEnter, 1.0f);
