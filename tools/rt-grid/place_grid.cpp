@@ -54,7 +54,7 @@ double padCellsFor(const glm::uvec3& dims, int level) {
     return std::max(0x1p-8, std::ldexp(std::max({dims.x, dims.y, dims.z}), level - 20));
 }
 
-GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims) {
+GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims, double padScale) {
     GridLayout layout;
     layout.dims = dims;
     const double margin = std::max(kMarginCells, padCellsFor(dims, 0)); // the pad from 32768 voxels on
@@ -64,7 +64,8 @@ GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims) {
         layout.gridLo[axis] = roundedDown(bounds.lo[axis] - margin * double(layout.cellSize[axis]));
         layout.cellsPerUnit[axis] = 1.0f / layout.cellSize[axis];
     }
-    layout.padCells = padCellsFor(dims, 0);
+    layout.padScale = padScale;
+    layout.padCells = padScale * padCellsFor(dims, 0);
     return layout;
 }
 

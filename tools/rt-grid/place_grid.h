@@ -13,6 +13,7 @@ struct GridLayout {
     glm::vec3 cellSize{1.0f};
     glm::vec3 cellsPerUnit{1.0f};
     double padCells = 0.0; ///< triangles are listed in every voxel that they come this near to, in voxels
+    double padScale = 1.0; ///< of the pads of all levels; less than 1 loses hits
 };
 
 /// Bounds of the triangles, atlas space, each axis made at least a thousandth of the longest one thick, so
@@ -25,8 +26,8 @@ BoundsD gridBounds(std::span<const TriangleRecord> triangles);
 double padCellsFor(const glm::uvec3& dims, int level);
 
 /// Returns a grid of `dims` voxels in which `bounds` lies at least 1/64 voxel, and 12 * 2^-24 of the longest
-/// side, away from every face: a walk may leave the grid too early by 7 of these. Its pad is
+/// side, away from every face: a walk may leave the grid too early by 7 of these. Its pad is `padScale` times
 /// padCellsFor(dims, 0).
-GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims);
+GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims, double padScale = 1.0);
 
 } // namespace rt
