@@ -114,8 +114,9 @@ TEST(GridPlace, everyTriangleLiesWellInsideTheGridForAllResolutions) {
             const GridLayout grid = placeGrid(bounds, glm::uvec3(side, 1u, side));
             for (int axis = 0; axis < 3; ++axis) {
                 const double cell = grid.cellSize[axis];
-                EXPECT_GE((bounds.lo[axis] - grid.gridLo[axis]) / cell, 1.0 / 64);
-                EXPECT_GE((grid.gridLo[axis] + grid.dims[axis] * cell - bounds.hi[axis]) / cell, 1.0 / 64);
+                const double wanted = std::max(1.0 / 64, 12.0 * 0x1p-24 * side);
+                EXPECT_GE((bounds.lo[axis] - grid.gridLo[axis]) / cell, wanted);
+                EXPECT_GE((grid.gridLo[axis] + grid.dims[axis] * cell - bounds.hi[axis]) / cell, wanted);
             }
         }
 }

@@ -27,7 +27,7 @@ public:
           bounds_(gridBounds(stages.triangles)) {}
 
     CellRefs run(std::uint32_t structure) {
-        stages_.layout = placeGrid(bounds_, dimsOf(structure));
+        stages_.layout = placeGrid(bounds_, dimsOf(structure), options_.padScale);
         limit_ = checkLimits(name_, sizeOf(mesh_, stages_.layout.dims, stages_, options_), options_.memory);
         return binTriangles(stages_.triangles, stages_.layout, limit_);
     }

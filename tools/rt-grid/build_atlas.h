@@ -18,7 +18,8 @@ struct BuildOptions {
     ResolutionRequest resolution;
     std::optional<NestOptions> nest; ///< instead of the quality's
     MemoryLimit memory = defaultMemoryLimit();
-    bool vdb = false; ///< memory for a VDB file counts too
+    bool vdb = false;      ///< memory for a VDB file counts too
+    double padScale = 1.0; ///< see GridLayout; for tests of what the pad is needed for
 };
 
 struct BuiltAtlas {

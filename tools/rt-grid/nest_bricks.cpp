@@ -98,7 +98,7 @@ struct Entry {
 RT_WIDE_LANES void binInto(const BrickPlace& place, const Nesting& nesting,
                            std::span<const std::uint32_t> list, std::uint32_t* counts,
                            std::vector<Entry>& entries, LeafRelations& relations) {
-    const double pad = padCellsFor(nesting.layout.dims, place.level);
+    const double pad = nesting.layout.padScale * padCellsFor(nesting.layout.dims, place.level);
     const VoxelSpace space(nesting.layout, place.level, place.first);
     const glm::uvec3 dims(1u << place.shift);
     entries.clear();

@@ -32,7 +32,7 @@ struct NestedVoxels {
 /// k = 1 to 5, as BrickCost has it. A voxel stays a leaf in spite of its many triangles where the finer
 /// voxels would cost more than they save, where a brick would not part the triangles (they share a vertex),
 /// or where voxels would become smaller than kMaxFinestSide allows. Triangles are listed in every voxel that
-/// they come within padCellsOf() of. The result does not depend on the number of threads. Throws
+/// they come within padCellsFor() of. The result does not depend on the number of threads. Throws
 /// Error{LimitExceeded} with limit.message when words of bricks and of lists are more than limit.references,
 /// the grid's references included.
 NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,

@@ -11,8 +11,7 @@ namespace rt {
 namespace {
 
 constexpr double kThinnestAxis = 1e-3;
-constexpr double kMarginCells =
-    1.0 / 32.0; // twice the largest rounding of gridLo, which is 1/64 voxel at 65536
+constexpr double kMarginCells = 1.0 / 32.0; // at least; gridLo is rounded by at most a quarter of the pad
 
 float roundedUp(double x) {
     const auto rounded = static_cast<float>(x);
@@ -55,16 +54,18 @@ double padCellsFor(const glm::uvec3& dims, int level) {
     return std::max(0x1p-8, std::ldexp(std::max({dims.x, dims.y, dims.z}), level - 20));
 }
 
-GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims) {
+GridLayout placeGrid(const BoundsD& bounds, const glm::uvec3& dims, double padScale) {
     GridLayout layout;
     layout.dims = dims;
+    const double margin = std::max(kMarginCells, padCellsFor(dims, 0)); // the pad from 32768 voxels on
     for (int axis = 0; axis < 3; ++axis) {
         const double extent = bounds.hi[axis] - bounds.lo[axis];
-        layout.cellSize[axis] = roundedUp(extent / (dims[axis] - 2.0 * kMarginCells));
-        layout.gridLo[axis] = roundedDown(bounds.lo[axis] - kMarginCells * double(layout.cellSize[axis]));
+        layout.cellSize[axis] = roundedUp(extent / (dims[axis] - 2.0 * margin));
+        layout.gridLo[axis] = roundedDown(bounds.lo[axis] - margin * double(layout.cellSize[axis]));
         layout.cellsPerUnit[axis] = 1.0f / layout.cellSize[axis];
     }
-    layout.padCells = padCellsFor(dims, 0);
+    layout.padScale = padScale;
+    layout.padCells = padScale * padCellsFor(dims, 0);
     return layout;
 }
 
