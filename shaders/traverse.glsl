@@ -238,7 +238,7 @@ real limitFromEntry(real limit, real tEnter, real sign) {
 }
 
 const real kFarAway = 16.0f; // from where on the entry time is off by voxels; directions and the grid are about unit size
-const real kUnlimited = 1e20f; // where no scene is any more
+const real kBeyondScenes = 1e20f; // where no scene is any more
 
 // Moves the ray's origin to where it enters the grid, at distance tEnter; false if it misses the grid. From there on t counts
 // from the grid's border, so that a far origin does not cost precision inside.
@@ -261,7 +261,7 @@ bool enterGrid(inout Ray ray, out real tEnter) {
         // One rounding, with fma: the new origin lies on the ray, whatever the error of tEnter.
         ray.origin = fma(ray.direction, real3(tEnter), ray.origin);
     }
-    bool isLimited = ray.tMin > 0.0f || ray.tMax < kUnlimited; // few are
+    bool isLimited = ray.tMin > 0.0f || ray.tMax < kBeyondScenes; // few are
     if (isLimited && tEnter > 0.0f) {
         ray.tMin = ray.tMin > 0.0f ? limitFromEntry(ray.tMin, tEnter, -1.0f) : -tEnter;
         ray.tMax = limitFromEntry(ray.tMax, tEnter, 1.0f);
