@@ -93,7 +93,7 @@ struct GridParams {
 // A triangle ready to test; the bits of v0.w are its index in the imported file's order.
 struct TriangleRecord {
     vec4 v0;
-    vec4 v1; // w = 1: a sliver, whose plane would put hits off by more than 2^-14 of the scene; else 0
+    vec4 v1; // w = 1: a sliver, whose plane would put hits off by more than 2^-8 of the scene; else 0
     vec4 v2; // w = 0
 };
 

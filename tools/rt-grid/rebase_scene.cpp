@@ -62,12 +62,14 @@ double sumOfSizes(const glm::dvec3& v) {
 }
 
 // A float normal, the product of two edges, is off by about 2^-23 of that product, and a hit by its part of
-// the triangle's length: by more than 2^-14, where the scene's size is about 1, for these.
+// the triangle's length: by more than 2^-8, where the scene's size is about 1, for these. One without an area
+// is never hit.
 bool isSliver(const TriangleRecord& t) {
     const glm::dvec3 edge1 = glm::dvec3(t.v1) - glm::dvec3(t.v0), edge2 = glm::dvec3(t.v2) - glm::dvec3(t.v0);
     const double length = std::max(sumOfSizes(edge1), sumOfSizes(edge2));
     const double product = sumOfSizes(edge1) * sumOfSizes(edge2);
-    return 0x1p-23 * product * length > 0x1p-14 * sumOfSizes(glm::cross(edge1, edge2));
+    const double area = sumOfSizes(cross(edge1, edge2));
+    return area > 0.0 && 0x1p-23 * product * length > 0x1p-8 * area;
 }
 
 } // namespace
