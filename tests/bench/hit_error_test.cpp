@@ -100,6 +100,19 @@ TEST(HitError, FaultsAreToldApart) {
     EXPECT_EQ(faults.wrongTriangles, 1u);
 }
 
+TEST(HitError, AHitThatIsNotFiniteIsNotComparedButWrong) {
+    const QueryRay ray{{0.5f, 0.5f, 2.0f, 0.0f}, {0.0f, 0.0f, -1.0f, 1e30f}};
+    const QueryHitDouble hit{2.0, 0.5 / 3, 0.125, 0, 0};
+    const double nan = std::nan("");
+    for (const QueryHitDouble& bad :
+         {QueryHitDouble{nan, 0.5, 0.5, 0, 0}, {2.0, nan, 0.125, 0, 0}, {2.0, 0.5 / 3, nan, 0, 0}}) {
+        EXPECT_EQ(errorsOf(hit, bad).compared, 0u);
+        const HitFaults faults = findFaults(makeRectangle(), {&ray, 1}, {&hit, 1}, {&bad, 1});
+        EXPECT_EQ(faults.counts[HitClass::Wrong], 1u) << bad.t << ", " << bad.u << ", " << bad.v;
+        EXPECT_EQ(faults.wrongTriangles, 0u);
+    }
+}
+
 TEST(HitError, RecordsOfBothWidthsSayTheSame) {
     const QueryHitDouble wide{2.5, 0.25, 0.125, 7, 0};
     const QueryHitDouble back = widened(narrowed(wide));
