@@ -76,10 +76,7 @@ protected:
             expectBruteForce(nameHere, mesh, atlas);
             expectNoneWrong({nameHere, atlas,
                              [&](RayNumbers& numbers) { return randomRay(targets, numbers); },
-                             [&](const QueryRay& ray, const QueryHit& hit, const QueryHitDouble* reference) {
-                                 return referee.isWrong(ray, hit, *reference);
-                             },
-                             "have a wrong triangle", true});
+                             test::asInDouble(referee), "have a wrong triangle", true});
         }
     }
 };

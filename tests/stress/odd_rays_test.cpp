@@ -71,10 +71,7 @@ protected:
         const test::DoubleReferee referee(scene.closed.mesh, scene.atlas);
         expectNoneWrong({name + ", " + scene.closed.name, scene.atlas,
                          [&](RayNumbers& numbers) { return makeRay(scene, numbers); },
-                         [&](const QueryRay& ray, const QueryHit& hit, const QueryHitDouble* reference) {
-                             return referee.isWrong(ray, hit, *reference);
-                         },
-                         "have a wrong hit", true});
+                         test::asInDouble(referee), "have a wrong hit", true});
     }
 };
 
