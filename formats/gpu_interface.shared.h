@@ -95,6 +95,10 @@ static_assert(sizeof(rt::CameraParams) == 112 && sizeof(rt::QueryParams) == 16);
 static_assert(sizeof(rt::AtlasLight) == 32 && offsetof(rt::AtlasLight, intensityAtlas) == 16);
 static_assert(sizeof(rt::QueryRay) == 32 && sizeof(rt::QueryHit) == 16);
 static_assert(sizeof(rt::QueryHitDouble) == 32 && offsetof(rt::QueryHitDouble, triangle) == 24);
+static_assert(sizeof(rt::TriangleTransform) == 48 && offsetof(rt::TriangleTransform, v) == 16 &&
+              offsetof(rt::TriangleTransform, plane) == 32);
+static_assert(sizeof(rt::TriangleTransformDouble) == 96 && offsetof(rt::TriangleTransformDouble, v) == 32 &&
+              offsetof(rt::TriangleTransformDouble, plane) == 64);
 static_assert(offsetof(rt::CameraParams, size) == 96 && offsetof(rt::QueryRay, directionTmax) == 16);
 #endif
 #endif

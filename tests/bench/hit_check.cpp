@@ -31,7 +31,9 @@ bool isMiss(const QueryHit& hit) {
 
 bool isSound(const QueryHit& hit) {
     const double t = distanceOf(hit);
-    return isMiss(hit) ? t == -1.0 : t >= 0.0 && std::isfinite(t);
+    if (isMiss(hit)) return t == -1.0;
+    return t >= 0.0 && std::isfinite(t) && std::isfinite(std::bit_cast<float>(hit.tuvId.y)) &&
+           std::isfinite(std::bit_cast<float>(hit.tuvId.z));
 }
 
 double sizeOf(const QueryRay& ray, double t) {

@@ -49,7 +49,7 @@ struct TracedRays {
 };
 
 /// Counts all classes but Edge. A miss is t = -1 and kNoTriangle; a record that says one of them without the
-/// other is wrong.
+/// other is wrong, and so is a hit of which t, u or v is not finite.
 HitCounts compareHits(const TracedRays& traced);
 
 /// Moves faults to Edge where `tracer` finds what was got for one of 16 rays that run parallel to the ray,

@@ -44,6 +44,11 @@ TEST(HitCheck, RecordsThatMakeNoSenseAreWrong) {
         EXPECT_EQ(compareOne(kMiss, hitAt(4.0f, kNoTriangle), anyHit)[HitClass::Wrong], 1u);
         EXPECT_EQ(compareOne(hitAt(4.0f, 7), hitAt(-1.0f, 7), anyHit)[HitClass::Wrong], 1u);
         EXPECT_EQ(compareOne(hitAt(4.0f, 7), hitAt(std::nanf(""), 7), anyHit)[HitClass::Wrong], 1u);
+        for (const int weight : {1, 2}) { // u and v
+            QueryHit hit = hitAt(4.0f, 7);
+            hit.tuvId[weight] = std::bit_cast<std::uint32_t>(std::nanf(""));
+            EXPECT_EQ(compareOne(hitAt(4.0f, 7), hit, anyHit)[HitClass::Wrong], 1u);
+        }
     }
 }
 

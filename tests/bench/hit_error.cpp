@@ -59,7 +59,7 @@ HitErrors measureErrors(const Mesh& mesh, std::span<const QueryHitDouble> refere
             throw Error(ErrorKind::InvalidContent,
                         fmt::format("ray {} hits triangle {}, but the mesh has {}: hits of another scene", i,
                                     a.triangle, mesh.triangles.size()));
-        if (!std::isfinite(b.t + b.u + b.v)) continue; // a fault: findFaults() counts those of t
+        if (!std::isfinite(b.t + b.u + b.v)) continue; // findFaults() counts it as wrong
         const SurfacePoint expected = surfaceAt(mesh, a), found = surfaceAt(mesh, b);
         const double apart = std::abs(b.t - a.t);
         t.push_back(apart == 0.0 ? 0.0 : apart / a.t); // a ray may start on what it hits

@@ -1,12 +1,18 @@
 #include "tests/bench/hit_error.h"
 
+#include "common/binary_io.h"
 #include "common/error.h"
+#include "formats/mesh_file.h"
 #include "tests/support/make_mesh.h"
+#include "tests/support/run_command.h"
+#include "tests/support/temporary_folder.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace rt::bench {
 namespace {
@@ -100,6 +106,19 @@ TEST(HitError, FaultsAreToldApart) {
     EXPECT_EQ(faults.wrongTriangles, 1u);
 }
 
+TEST(HitError, AHitThatIsNotFiniteIsNotComparedButWrong) {
+    const QueryRay ray{{0.5f, 0.5f, 2.0f, 0.0f}, {0.0f, 0.0f, -1.0f, 1e30f}};
+    const QueryHitDouble hit{2.0, 0.5 / 3, 0.125, 0, 0};
+    const double nan = std::nan("");
+    for (const QueryHitDouble& bad :
+         {QueryHitDouble{nan, 0.5, 0.5, 0, 0}, {2.0, nan, 0.125, 0, 0}, {2.0, 0.5 / 3, nan, 0, 0}}) {
+        EXPECT_EQ(errorsOf(hit, bad).compared, 0u);
+        const HitFaults faults = findFaults(makeRectangle(), {&ray, 1}, {&hit, 1}, {&bad, 1});
+        EXPECT_EQ(faults.counts[HitClass::Wrong], 1u) << bad.t << ", " << bad.u << ", " << bad.v;
+        EXPECT_EQ(faults.wrongTriangles, 0u);
+    }
+}
+
 TEST(HitError, RecordsOfBothWidthsSayTheSame) {
     const QueryHitDouble wide{2.5, 0.25, 0.125, 7, 0};
     const QueryHitDouble back = widened(narrowed(wide));
@@ -107,6 +126,42 @@ TEST(HitError, RecordsOfBothWidthsSayTheSame) {
     EXPECT_EQ(back.u, 0.25);
     EXPECT_EQ(back.v, 0.125);
     EXPECT_EQ(back.triangle, 7u);
+}
+
+// One ray down onto the rectangle, and its hit in either width.
+class MeasureHits : public testing::Test {
+protected:
+    MeasureHits() {
+        const QueryRay ray{{0.5f, 0.5f, 2.0f, 0.0f}, {0.0f, 0.0f, -1.0f, 1e30f}};
+        const QueryHitDouble wide{2.0, 0.5 / 3, 0.125, 0, 0};
+        const QueryHit narrow = narrowed(wide);
+        writeMesh(folder_.file("scene.rtmesh"), makeRectangle());
+        writeFile(folder_.file("x.rays"), std::as_bytes(std::span(&ray, 1)));
+        writeFile(folder_.file("wide.hits"), std::as_bytes(std::span(&wide, 1)));
+        writeFile(folder_.file("narrow.hits"), std::as_bytes(std::span(&narrow, 1)));
+    }
+    test::CommandResult run(const std::string& reference, const std::string& got) const {
+        return test::runCommand({RT_BIN_DIR "/rt_measure_hits", folder_.file(reference), folder_.file(got),
+                                 "--rays", folder_.file("x.rays"), "--mesh", folder_.file("scene.rtmesh")});
+    }
+
+    const test::TemporaryFolder folder_;
+};
+
+TEST_F(MeasureHits, HitsOfBothWidthsAreJudged) {
+    for (const char* got : {"narrow.hits", "wide.hits"}) {
+        const test::CommandResult result = run("wide.hits", got);
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        EXPECT_THAT(result.out, testing::HasSubstr("\"compared\": 1")) << got;
+    }
+}
+
+TEST_F(MeasureHits, AReferenceInSinglePrecisionIsRefused) {
+    const test::CommandResult result = run("narrow.hits", "narrow.hits");
+    EXPECT_EQ(result.exitCode, 4);
+    EXPECT_EQ(result.out, "");
+    for (const char* part : {"narrow.hits: 16 bytes", "64-bit", "1 rays", "--precision double"})
+        EXPECT_THAT(result.err, testing::HasSubstr(part));
 }
 
 } // namespace

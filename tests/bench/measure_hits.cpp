@@ -38,6 +38,19 @@ bool parse(int argc, const char* const* argv, Options& options) {
     return parseCommandLine(app, argc, argv, options.common);
 }
 
+std::vector<QueryHitDouble> readReference(const std::string& path, std::size_t rays) {
+    const SharedSpan<std::byte> bytes = readFile(path);
+    if (bytes.size() != rays * sizeof(QueryHitDouble))
+        throw Error(
+            ErrorKind::InvalidContent,
+            fmt::format("{}: {} bytes are no 64-bit hits of {} rays, 32 each; trace the reference with "
+                        "--precision double",
+                        path, bytes.size(), rays));
+    const auto records = recordsOf<QueryHitDouble>(bytes, path);
+    return {records.begin(), records.end()};
+}
+
+// Of either width.
 std::vector<QueryHitDouble> readHits(const std::string& path, std::size_t rays) {
     const SharedSpan<std::byte> bytes = readFile(path);
     std::vector<QueryHitDouble> hits(rays);
@@ -74,7 +87,7 @@ int measureHits(int argc, const char* const* argv) {
     if (!parse(argc, argv, options)) return 0;
     const SharedSpan<std::byte> rayBytes = readFile(options.raysPath);
     const std::span<const QueryRay> rays = recordsOf<QueryRay>(rayBytes, options.raysPath);
-    const std::vector<QueryHitDouble> reference = readHits(options.referencePath, rays.size());
+    const std::vector<QueryHitDouble> reference = readReference(options.referencePath, rays.size());
     const std::vector<QueryHitDouble> got = readHits(options.gotPath, rays.size());
     const MeshFile file = readMesh(options.meshPath);
     const HitErrors errors = measureErrors(file.mesh, reference, got);

@@ -15,8 +15,10 @@
 
 namespace rt::test {
 
-inline QueryRay ray(const glm::vec3& origin, const glm::vec3& direction, float tMin = 0.0f,
-                    float tMax = 1e30f) {
+inline constexpr float kNoEnd = 1e38f; ///< tMax of rays that go on
+
+inline QueryRay rayFrom(const glm::vec3& origin, const glm::vec3& direction, float tMin = 0.0f,
+                        float tMax = kNoEnd) {
     return {glm::vec4(origin, tMin), glm::vec4(direction, tMax)};
 }
 
@@ -58,7 +60,7 @@ inline std::vector<QueryRay> randomRays(const Mesh& mesh, std::size_t count) {
         const glm::vec3 direction(normal(random), normal(random), normal(random));
         const glm::vec3 origin = i % 2 ? inside : inside - 3.0f * direction;
         const float tMin = i % 8 == 3 ? 0.3f * unit(random) : 0.0f;
-        rays.push_back(ray(origin, direction, tMin, i % 8 >= 6 ? tMin + 0.5f * unit(random) : 1e30f));
+        rays.push_back(rayFrom(origin, direction, tMin, i % 8 >= 6 ? tMin + 0.5f * unit(random) : kNoEnd));
     }
     return rays;
 }
@@ -66,11 +68,12 @@ inline std::vector<QueryRay> randomRays(const Mesh& mesh, std::size_t count) {
 // Rays from `origin` at all vertices and at three points of each edge.
 inline std::vector<QueryRay> raysAtVerticesAndEdges(const Mesh& mesh, const glm::vec3& origin) {
     std::vector<QueryRay> rays;
-    for (const glm::vec3& vertex : mesh.positions) rays.push_back(ray(origin, vertex - origin));
+    for (const glm::vec3& vertex : mesh.positions) rays.push_back(rayFrom(origin, vertex - origin));
     for (const glm::uvec3& corners : mesh.triangles)
         for (const auto& [a, b] : {std::pair(corners.x, corners.y), std::pair(corners.y, corners.z)})
             for (const float along : {0.1f, 0.37f, 0.5f})
-                rays.push_back(ray(origin, glm::mix(mesh.positions[a], mesh.positions[b], along) - origin));
+                rays.push_back(
+                    rayFrom(origin, glm::mix(mesh.positions[a], mesh.positions[b], along) - origin));
     return rays;
 }
 

@@ -70,6 +70,14 @@ std::vector<SharedStruct> sharedStructs() {
         {"QueryParams", sizeof(QueryParams), {RT_MEMBER(QueryParams, count)}},
         {"QueryRay", sizeof(QueryRay), {RT_MEMBER(QueryRay, originTmin), RT_MEMBER(QueryRay, directionTmax)}},
         {"QueryHit", sizeof(QueryHit), {RT_MEMBER(QueryHit, tuvId)}},
+        {"TriangleTransform",
+         sizeof(TriangleTransform),
+         {RT_MEMBER(TriangleTransform, u), RT_MEMBER(TriangleTransform, v),
+          RT_MEMBER(TriangleTransform, plane)}},
+        {"TriangleTransformDouble",
+         sizeof(TriangleTransformDouble),
+         {RT_MEMBER(TriangleTransformDouble, u), RT_MEMBER(TriangleTransformDouble, v),
+          RT_MEMBER(TriangleTransformDouble, plane)}},
     };
 }
 

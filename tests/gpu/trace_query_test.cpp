@@ -16,7 +16,7 @@ namespace {
 using test::ExactHit;
 using test::intersectExactly;
 using test::randomRays;
-using test::ray;
+using test::rayFrom;
 using test::raysAtVerticesAndEdges;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -93,7 +93,7 @@ std::vector<QueryRay> alignedRays() {
                         origin[(axis + 1) % 3] = float(a) / 8.0f;
                         for (const float start : {-2.0f, 0.0f, 0.125f, 0.4f, 1.0f, 3.0f}) {
                             origin[axis] = start;
-                            rays.push_back(ray(origin, direction));
+                            rays.push_back(rayFrom(origin, direction));
                         }
                     }
     return rays;
@@ -139,8 +139,8 @@ TEST_F(RayQuery, RaysInATrianglesPlaneHitAtAFiniteDistanceOrNotAtAll) {
     std::vector<QueryRay> rays;
     for (int i = 0; i < 1000; ++i) {
         const float z = 0.001f * static_cast<float>(i);
-        rays.push_back(ray({-1, -1, z}, {1, 1, 0.37f * (z - 0.5f)}, 0.0f, kInfinity));
-        rays.push_back(ray({-1, std::nextafter(-1.0f, 0.0f), z}, {1, 1, 0}, 0.0f, kInfinity));
+        rays.push_back(rayFrom({-1, -1, z}, {1, 1, 0.37f * (z - 0.5f)}, 0.0f, kInfinity));
+        rays.push_back(rayFrom({-1, std::nextafter(-1.0f, 0.0f), z}, {1, 1, 0}, 0.0f, kInfinity));
     }
     const Atlas atlas = test::makeAtlas(mesh, kStructureNested, {3, 3, 3});
     for (const QueryHit& hit : test::traceQuery(*context, atlas, rays))
@@ -174,8 +174,8 @@ TEST_F(RayQuery, EqualsBruteForceForASmallDenseSphereInAHugeSquare) {
                                    test::makeTexturedSquare({}));
     std::vector<QueryRay> rays = randomRays(mesh, 1000);
     for (const QueryRay& near : randomRays(test::makeSphere(1), 5000))
-        rays.push_back(ray(glm::vec3(near.originTmin) * 0.003f + glm::vec3(0.31f, 0.52f, 0.001f),
-                           glm::vec3(near.directionTmax)));
+        rays.push_back(rayFrom(glm::vec3(near.originTmin) * 0.003f + glm::vec3(0.31f, 0.52f, 0.001f),
+                               glm::vec3(near.directionTmax)));
     expectAgreement(mesh, rays, {9, 9, 1});
 }
 
@@ -196,11 +196,11 @@ TEST_F(RayQuery, EqualsBruteForceForRaysAlongAxesAndFaces) {
 
 TEST_F(RayQuery, RaysWithoutADirectionMissAndEnd) {
     const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureCloud, {8, 8, 8});
-    std::vector<QueryRay> rays = {ray({0, 0, 0}, {0, 0, 0}), ray({0, 0, 0}, {-0.0f, 0, -0.0f})};
+    std::vector<QueryRay> rays = {rayFrom({0, 0, 0}, {0, 0, 0}), rayFrom({0, 0, 0}, {-0.0f, 0, -0.0f})};
     for (const float bad : {kNan, kInfinity, -kInfinity}) {
-        rays.push_back(ray({0, 0, 0}, {bad, 1, 1}));
-        rays.push_back(ray({0, 0, 0}, {1, 1, bad}));
-        rays.push_back(ray({0, bad, 0}, {1, 1, 1}));
+        rays.push_back(rayFrom({0, 0, 0}, {bad, 1, 1}));
+        rays.push_back(rayFrom({0, 0, 0}, {1, 1, bad}));
+        rays.push_back(rayFrom({0, bad, 0}, {1, 1, 1}));
     }
     for (const QueryHit& hit : test::traceQuery(*context, atlas, rays)) EXPECT_TRUE(isMiss(hit));
 }
@@ -208,8 +208,8 @@ TEST_F(RayQuery, RaysWithoutADirectionMissAndEnd) {
 TEST_F(RayQuery, LengthOfTheDirectionScalesTOnly) {
     const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureCloud, {8, 8, 8});
     for (const float length : {1e-30f, 1e-10f, 0.3f, 1.0f, 7.0f, 1e10f, 1e30f}) {
-        const auto hit =
-            test::traceQuery(*context, atlas, {ray({0.1f, 0.2f, 0.0f}, {0, 0, length}, 0.0f, kInfinity)})[0];
+        const auto hit = test::traceQuery(*context, atlas,
+                                          {rayFrom({0.1f, 0.2f, 0.0f}, {0, 0, length}, 0.0f, kInfinity)})[0];
         EXPECT_FALSE(isMiss(hit)) << length;
         EXPECT_NEAR(distanceOf(hit) * length, 0.5f, 1e-5f) << length;
     }
@@ -226,7 +226,7 @@ TEST_F(RayQuery, KeepsToTMinAndTMax) {
                           {kNan, 9, -1},  {0, kNan, -1},  {-9, kInfinity, 2}, {0, -1, -1}};
     for (const bool anyHit : {false, true})
         for (const Case& c : cases) {
-            const auto hit = test::traceQuery(*context, atlas, {ray(origin, {0, 0, 1}, c.tMin, c.tMax)},
+            const auto hit = test::traceQuery(*context, atlas, {rayFrom(origin, {0, 0, 1}, c.tMin, c.tMax)},
                                               {.anyHit = anyHit, .limits = {}})[0];
             if (!anyHit || c.expected < 0.0f || c.tMin > 2.0f || c.tMax < 3.0f)
                 EXPECT_NEAR(distanceOf(hit), c.expected, 1e-5f)

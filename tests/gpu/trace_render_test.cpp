@@ -64,8 +64,9 @@ TEST_F(Rendering, EverySingleFeatureVariantCompiles) {
 TEST_F(Rendering, AFeatureThatTheSceneDoesNotUseDoesNotChangeThePicture) {
     const Atlas atlas = test::makeAtlas(test::makeSphere(2), kStructureCloud, {8, 8, 8});
     const FilmPixels plain = render(atlas, featuresOf(atlas)).pixels;
-    for (const auto feature : {&SceneFeatures::hasTextures, &SceneFeatures::hasReflection,
-                               &SceneFeatures::hasTransmission, &SceneFeatures::hasEmission}) {
+    for (const auto feature :
+         {&SceneFeatures::hasSlivers, &SceneFeatures::hasTextures, &SceneFeatures::hasReflection,
+          &SceneFeatures::hasTransmission, &SceneFeatures::hasEmission}) {
         SceneFeatures features = featuresOf(atlas);
         features.*feature = 1;
         features.maxDepth = 4;

@@ -51,4 +51,11 @@ private:
     long double gridWorld_;         // largest coordinate of the grid and its diagonal
 };
 
+/// Judges for a StressCase that has a reference. `referee` must outlive it.
+inline auto asInDouble(const DoubleReferee& referee) {
+    return [&referee](const QueryRay& ray, const QueryHit& hit, const QueryHitDouble* reference) {
+        return referee.isWrong(ray, hit, *reference);
+    };
+}
+
 } // namespace rt::test

@@ -102,11 +102,7 @@ protected:
             const glm::vec3 origin = near + targets.diagonal() * numbers.direction();
             return test::rayTowards(origin, targets.any(numbers));
         };
-        expectNoneWrong({name, atlas, makeRay,
-                         [&](const QueryRay& ray, const QueryHit& hit, const QueryHitDouble* reference) {
-                             return referee.isWrong(ray, hit, *reference);
-                         },
-                         "have a wrong hit", true, part});
+        expectNoneWrong({name, atlas, makeRay, test::asInDouble(referee), "have a wrong hit", true, part});
     }
     static void expectNoLeak(const ClosedMesh& closed, const test::IsWrong& isWrong = test::leaks,
                              const char* fault = "leak") {

@@ -2,18 +2,12 @@
 #include "formats/atlas.shared.h"
 #include "formats/gpu_interface.shared.h"
 #include "formats/mesh.h"
+#include "tests/gpu/exact_hit.h"
 #include "tests/support/split_mix.h"
 
 #include <vector>
 
 namespace rt::test {
-
-inline constexpr float kNoEnd = 1e38f; ///< tMax of rays that go on
-
-inline QueryRay rayFrom(const glm::vec3& origin, const glm::vec3& direction, float tMin = 0.0f,
-                        float tMax = kNoEnd) {
-    return {glm::vec4(origin, tMin), glm::vec4(direction, tMax)};
-}
 
 /// t = 1 at the target. Never without a direction.
 QueryRay rayTowards(const glm::vec3& origin, const glm::vec3& target);

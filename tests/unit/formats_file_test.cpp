@@ -13,6 +13,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <limits>
 
 namespace rt {
 namespace {
@@ -317,6 +318,16 @@ TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {
     EXPECT_TRUE(refused([](Atlas& a) {
         a.triangles = std::vector<TriangleRecord>{a.triangles[0], a.triangles[0]};
     })) << "a triangle under another's number";
+    const auto withMark = [](float mark) {
+        return [=](Atlas& a) {
+            std::vector<TriangleRecord> triangles(a.triangles.begin(), a.triangles.end());
+            triangles[1].v1.w = mark;
+            a.triangles = std::move(triangles);
+        };
+    };
+    EXPECT_FALSE(refused(withMark(1.0f)));
+    EXPECT_TRUE(refused(withMark(2.0f))) << "neither a sliver nor none";
+    EXPECT_TRUE(refused(withMark(std::numeric_limits<float>::quiet_NaN()))) << "a mark that is no number";
     EXPECT_TRUE(refused([](Atlas& a) { a.grid.worldOffset.w = 0.3f; })) << "scale";
     EXPECT_TRUE(refused([](Atlas& a) {
         a.triangleVertices = std::vector<glm::uvec4>(2, {0, 1, 4, 0});

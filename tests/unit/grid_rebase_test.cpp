@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
+#include <vector>
 
 namespace rt {
 namespace {
@@ -104,6 +106,46 @@ TEST(GridRebase, recordsCarryTheTrianglesIndex) {
         EXPECT_EQ(std::bit_cast<std::uint32_t>(records[i].v1.w), 0u);
         EXPECT_EQ(std::bit_cast<std::uint32_t>(records[i].v2.w), 0u);
     }
+}
+
+// Whether the one triangle of these corners, in atlas space, is marked.
+bool isMarked(const std::vector<glm::vec3>& corners) {
+    const auto records = rebaseTriangles(test::makeTriangles(corners), Rebase{});
+    const float mark = records[0].v1.w;
+    EXPECT_TRUE(mark == 0.0f || mark == 1.0f) << mark;
+    return mark != 0.0f;
+}
+
+// A base of length s and a height h over its middle: edges of size s and s / 2 + h, and area s h, so that the
+// limit is h = 2^-15 s (s / 2 + h), next to 2^-16 s^2.
+TEST(GridRebase, aTriangleIsASliverBelowAHeightThatGrowsWithItsLengthsSquare) {
+    for (const float s : {2.0f, 1.0f, 0.5f, 0x1p-8f}) {
+        const auto isMarkedAt = [&](float height) {
+            return isMarked({{0, 0, 0}, {s, 0, 0}, {0.5f * s, height, 0}});
+        };
+        const float limit = 0x1p-16f * s * s;
+        EXPECT_TRUE(isMarkedAt(limit)) << "size " << s;
+        EXPECT_FALSE(isMarkedAt(limit * (1.0f + 0x1p-12f))) << "size " << s;
+        EXPECT_TRUE(isMarkedAt(0x1p-20f * limit)) << "size " << s;
+        EXPECT_FALSE(isMarkedAt(s)) << "size " << s;
+    }
+}
+
+TEST(GridRebase, aSliverIsMarkedWhicheverCornerIsFirst) {
+    std::vector<glm::vec3> sliver{{0, 0, 0}, {1, 0, 0}, {0.5f, 0x1p-18f, 0}};
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_TRUE(isMarked(sliver)) << i;
+        std::rotate(sliver.begin(), sliver.begin() + 1, sliver.end());
+    }
+}
+
+// No ray hits those: the test with care would be for nothing.
+TEST(GridRebase, aTriangleWithoutAnAreaIsNoSliver) {
+    const glm::vec3 a(0.25f, 0.5f, 0.75f), b(0.5f, 0.75f, 1.0f);
+    EXPECT_FALSE(isMarked({a, a, a}));
+    EXPECT_FALSE(isMarked({a, b, b}));
+    EXPECT_FALSE(isMarked({a, b, 0.5f * (a + b)}));
+    EXPECT_FALSE(isMarked({a, b, a}));
 }
 
 TEST(GridPlace, everyTriangleLiesWellInsideTheGridForAllResolutions) {

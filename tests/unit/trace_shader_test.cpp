@@ -119,6 +119,20 @@ TEST(SceneFeatures, AMaterialCountsOnlyIfATriangleUsesIt) {
     EXPECT_TRUE(flat.hasTextures);
 }
 
+TEST(SceneFeatures, OneMarkedTriangleMakesASceneOfSlivers) {
+    for (const std::size_t marked : {0u, 20'000u, 39'999u}) { // more than one thread's share
+        Atlas atlas;
+        std::vector<TriangleRecord> triangles(40'000);
+        atlas.triangles = std::vector<TriangleRecord>(triangles);
+        EXPECT_EQ(queryFeatures(atlas, false).hasSlivers, 0u);
+        EXPECT_EQ(renderFeatures(atlas, 0, 0).hasSlivers, 0u);
+        triangles[marked].v1.w = 1.0f;
+        atlas.triangles = std::move(triangles);
+        EXPECT_EQ(queryFeatures(atlas, false).hasSlivers, 1u) << marked;
+        EXPECT_EQ(renderFeatures(atlas, 0, 0).hasSlivers, 1u) << marked;
+    }
+}
+
 constexpr ResourceLimits kRoomy{1 << 20, 16, 16, 256, 1 << 20, 16};
 
 Atlas atlasOf(std::size_t references, glm::uvec3 dims) {
