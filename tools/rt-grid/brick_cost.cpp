@@ -9,7 +9,7 @@ namespace rt {
 namespace {
 
 constexpr std::size_t kLargestSample = 6; // triangles of a list that are looked at
-constexpr double kBrickWords = 48.0;      // what building a brick costs beyond its words, as if it had more
+constexpr double kBrickWords = 48.0;      // what building a brick costs beyond its words: see README.md
 constexpr double kLongList = 400.0;       // triangles times 2^level from which on words are cheap
 
 struct Cost {
