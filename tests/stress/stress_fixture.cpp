@@ -119,7 +119,7 @@ ProgramCache& Stress::programs() {
 }
 
 Tally Stress::watertight(const StressCase& stress) {
-    Run run(stress, std::max<std::uint64_t>(raysPerCase() / stress.part, 1));
+    Run run(stress, std::max<std::uint64_t>(raysPerCase() * stress.times / stress.part, 1));
     BatchTracer<QueryHit> plain(*context, stress.atlas, {}, false, run.batchSize(), programs());
     BatchTracer<QueryHit> scattered(*context, stress.atlas, {}, true, run.batchSize(), programs());
     std::vector<QueryHit> others(run.batchSize());

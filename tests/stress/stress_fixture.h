@@ -35,7 +35,8 @@ struct StressCase {
     IsWrong isWrong = leaks;
     std::string fault = "leak"; ///< "N of M rays leak"
     bool hasReference = false;  ///< in double precision
-    unsigned part = 1; ///< only so many times fewer rays, where each is tested against hundreds of triangles
+    unsigned part = 1;  ///< only so many times fewer rays, where each is tested against hundreds of triangles
+    unsigned times = 1; ///< so many times more rays
 };
 
 /// What one triangle test made of a case.
