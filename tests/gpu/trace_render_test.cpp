@@ -23,7 +23,7 @@ protected:
     static test::Picture render(const Atlas& atlas, const SceneFeatures& features,
                                 const std::optional<ResourceLimits>& resourceLimits = {}) {
         return test::renderPicture(*context, atlas, {features, defaultPose(atlas), kSize},
-                                   resourceLimits.value_or(limits().resources));
+                                   resourceLimits ? *resourceLimits : limits().resources);
     }
 
     static SceneFeatures featuresOf(const Atlas& atlas) { return renderFeatures(atlas, 4, 2); }

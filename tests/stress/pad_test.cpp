@@ -63,6 +63,7 @@ double randomDeviation(const GridLayout& layout, const test::FloatWalk& walk, Ra
 class Pad : public test::Stress {
 protected:
     static constexpr std::size_t kGrids = 500;
+    static constexpr std::uint64_t kEnough = 60'000; // rays, for one to come near the bound
 
     static double largestDeviation(const glm::uvec3& dims, std::uint32_t structure) {
         double most = 0.0;
@@ -70,7 +71,8 @@ protected:
             RayNumbers gridNumbers(3, g);
             const GridLayout layout = randomLayout(dims, gridNumbers);
             const test::FloatWalk walk(paramsOf(layout, structure));
-            for (std::uint64_t i = 0; i < test::raysPerCase() / kGrids + 1; ++i) {
+            for (std::uint64_t i = 0; i < std::max<std::uint64_t>(test::raysPerCase(), kEnough) / kGrids;
+                 ++i) {
                 RayNumbers numbers(g, i);
                 most = std::max(most, randomDeviation(layout, walk, numbers));
             }
