@@ -124,12 +124,12 @@ real fixedAffine(real4 row, real3 point) {
     return sum;
 }
 
-// Baldwin & Weber 2016: into the space where the triangle is (0,0), (1,0), (0,1), by a stored transform.
 #if RT_DOUBLE
 #define RealTransform TriangleTransformDouble
 #else
 #define RealTransform TriangleTransform
 #endif
+// Baldwin & Weber 2016: into the space where the triangle is (0,0), (1,0), (0,1), by a stored transform.
 Hit intersectTransformed(Ray ray, RealTransform triangle, uint id, Hit best) {
     real toPlane = fixedAffine(triangle.plane, ray.origin);
     precise real t = -toPlane / fixedDot(triangle.plane.xyz, ray.direction);

@@ -57,17 +57,21 @@ real3 withoutTinyComponents(real3 direction) {
     return mix(direction, real3(0.0f), lessThan(size, real3(largest * 1e-20f)));
 }
 
+uint longestSide() {
+    return max(grid.dims.x, max(grid.dims.y, grid.dims.z));
+}
+
 // A voxel of the grid is 2^finestLevel() of the finest voxels wide.
 int finestLevel() {
     if (kStructure != kStructureNested) return 0;
-    return finestLevelOf(max(grid.dims.x, max(grid.dims.y, grid.dims.z)));
+    return finestLevelOf(longestSide());
 }
 
 // A power of two, so that turning round a voxel's coordinate is flipping its bits; at least the grid's longest side, and 16
 // for freeAhead().
 int mirrorSide() {
     if (kStructure == kStructureNested) return int(kMaxFinestSide);
-    return 1 << max(findMSB(max(grid.dims.x, max(grid.dims.y, grid.dims.z)) - 1u) + 1, 4);
+    return 1 << max(findMSB(longestSide() - 1u) + 1, 4);
 }
 
 // `base` is the ray moved to where it enters the grid.
