@@ -18,8 +18,8 @@
 #ifndef RT_SUBGROUPS
 #error "RT_SUBGROUPS is not defined"
 #endif
-#ifndef RT_CUT_LOOPS
-#error "RT_CUT_LOOPS is not defined"
+#ifndef RT_SOFTWARE
+#error "RT_SOFTWARE is not defined"
 #endif
 #ifndef RT_COUNT_WORK
 #error "RT_COUNT_WORK is not defined"
@@ -52,7 +52,7 @@ const uint kIntersect = uint(RT_INTERSECT);
 const bool kAnyHit = RT_ANY_HIT != 0;
 const bool kScatteredRays = RT_SCATTERED_RAYS != 0; // the host then takes query_scattered.comp.glsl
 const bool kSubgroups = RT_SUBGROUPS != 0;
-const bool kCutLoops = RT_CUT_LOOPS != 0;
+const bool kSoftware = RT_SOFTWARE != 0;
 const bool kCountWork = RT_COUNT_WORK != 0;
 const bool kHasSlivers = RT_HAS_SLIVERS != 0;
 const bool kHasTextures = RT_HAS_TEXTURES != 0;

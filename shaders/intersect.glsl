@@ -93,10 +93,9 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
         real area = areaOf(weights);
         // From the plane: a ray that leaves the triangle next to it keeps its side, which weights of far corners would blur.
         real3 normal = normalOf(triangle);
-        real facing = fixedDot(normal, ray.direction);
-        real t = fixedDot(normal, s.a) / facing;
         // Corners in a line have no plane, but may fill a crack that rounding opens where one lies on its neighbour's edge.
-        if (facing == 0.0f) t = fixedDot(ray.direction, s.a) / fixedDot(ray.direction, ray.direction);
+        if (all(equal(normal, real3(0.0f)))) normal = ray.direction;
+        precise real t = fixedDot(normal, s.a) / fixedDot(normal, ray.direction);
         uint id = floatBitsToUint(triangle.v0.w);
         if (t >= ray.tMin && isNearer(t, id, best) && area != 0.0f) best = Hit(t, weights.y / area, weights.z / area, id);
     }

@@ -23,7 +23,7 @@ void main() {
         Hit hit = trace(toAtlas(next, tScale), kAnyHit, work);
         if (hit.triangle != kNoTriangle) result = record(hit.t * tScale, hit);
     }
-    if (kCutLoops && walkCutShort) result = kCut;
+    if (kSoftware && walkCutShort) result = kCut;
     hits[index] = result;
 #if RT_COUNT_WORK
     counters[index] = uvec4(work.rays, work.steps, work.tests, 0u);

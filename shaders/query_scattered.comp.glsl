@@ -58,5 +58,5 @@ void main() {
         }
         advance(w, kAnyHit, work);
     }
-    if (kCutLoops && more && index < query.count.x) hits[index] = kCut;
+    if (kSoftware && more && index < query.count.x) hits[index] = kCut;
 }

@@ -52,7 +52,7 @@ Pixel renderPixel(real3 direction, inout WorkCounters work) {
         pixel.color.rgb += current.weight * localLight(s, work);
         pushChildren(current, s, stack, stackCount);
     }
-    if (kCutLoops && (walkCutShort || stackCount > 0u)) pixel.id = kWalkCutShort;
+    if (kSoftware && (walkCutShort || stackCount > 0u)) pixel.id = kWalkCutShort;
     return pixel;
 }
 

@@ -140,9 +140,7 @@ real leap(GridRay g, uint emptyWord, int sizeShift, inout ivec3 at) {
     real t = min(exits.x, min(exits.y, exits.z));
     // Never back, never out of the box but through its exit face, or faces: rounding must not revisit a voxel for ever.
     ivec3 inside = min(max(placeAt(fma(g.direction, real3(t), g.origin)), at), end - 1);
-    bvec3 leaves = equal(exits, real3(t));
-    leaves.z = leaves.z || !(leaves.x || leaves.y); // whatever the numbers are, the walk goes on
-    at = mix(inside, end, leaves);
+    at = mix(inside, end, equal(exits, real3(t)));
     return t;
 }
 
@@ -167,7 +165,7 @@ uint intersectList(Ray ray, RayShear shear, uint leaf, inout Hit best, inout Wor
         if (entry >= kLastInList) break;
         entry = next;
     }
-    if (kCutLoops && entry < kLastInList) walkCutShort = true;
+    if (kSoftware && entry < kLastInList) walkCutShort = true;
     return exitBox;
 }
 
@@ -186,29 +184,24 @@ Hit walkGrid(Ray ray, bool anyHit, inout WorkCounters work) {
         if (word >= kOccupiedBit) {
             word = intersectList(ray, shear, word, best, work);
             if (anyHit && best.triangle != kNoTriangle) {
-                if (kCutLoops) over = true;
+                if (kSoftware) over = true;
                 break;
             }
         }
         real t = leap(g, word, sizeShift, at);
         voxel = at ^ g.toVoxel;
         if (endsAt(t, voxel, best)) {
-            if (kCutLoops) over = true;
+            if (kSoftware) over = true;
             break;
         }
     }
-    if (kCutLoops && !over) walkCutShort = true;
+    if (kSoftware && !over) walkCutShort = true;
     return best; // the only way out: with returns in the loop a driver lost 5 to 20 % of the speed
 }
 
-// A sum with twice the digits.
-struct Sum {
-    real3 rounded;
-    real3 rest;
-};
-
-// origin + direction * t (Dekker 1971: fma() is two roundings on some devices).
-Sum moveAlong(Sum origin, real3 direction, real t) {
+// origin + direction * t with one rounding.
+#if RT_SOFTWARE
+real3 moveAlong(real3 origin, real3 direction, real t) { // Dekker 1971
     precise real3 shifted = direction * kSplitter;
     precise real3 high = shifted - (shifted - direction);
     precise real3 low = direction - high;
@@ -217,14 +210,17 @@ Sum moveAlong(Sum origin, real3 direction, real t) {
     precise real lowT = t - highT;
     precise real3 product = direction * t;
     precise real3 productRest = low * lowT - (((product - high * highT) - low * highT) - high * lowT);
-    precise real3 sum = origin.rounded + product;
-    precise real3 added = sum - origin.rounded;
-    precise real3 sumRest = (origin.rounded - (sum - added)) + (product - added);
-    precise real3 rest = sumRest + productRest + origin.rest;
-    precise real3 rounded = sum + rest;
-    precise real3 left = rest - (rounded - sum);
-    return Sum(rounded, left);
+    precise real3 sum = origin + product;
+    precise real3 added = sum - origin;
+    precise real3 sumRest = (origin - (sum - added)) + (product - added);
+    precise real3 moved = sum + (sumRest + productRest);
+    return moved;
 }
+#else
+real3 moveAlong(real3 origin, real3 direction, real t) {
+    return fma(direction, real3(t), origin);
+}
+#endif
 
 // The time from the border on that is the last (sign 1) or first (sign -1) to give, with tEnter added and rounded, no more (no
 // less) than `limit`, which is > 0: so a ray may begin or end where a hit is said to be.
@@ -254,16 +250,13 @@ bool enterGrid(inout Ray ray, out real tEnter) {
     tEnter = max(span.x * (1.0f - 2.0f * gammaBound(3.0f)), 0.0f);
     real tLeave = span.y * (1.0f + 2.0f * gammaBound(3.0f));
     bool enters = tEnter <= tLeave && ray.tMin <= tLeave && tEnter <= ray.tMax && tEnter < kNever;
-    if (tEnter > kFarAway) {
-        // The time's error may be many grids: a second step leads from there to the border.
-        Sum near = moveAlong(Sum(ray.origin, real3(0.0f)), ray.direction, tEnter);
-        ray.origin = near.rounded;
+    // The new origin lies on the ray, whatever the error of tEnter.
+    ray.origin = moveAlong(ray.origin, ray.direction, tEnter);
+    if (tEnter > kFarAway) { // that error may be many grids: a second step leads from there to the border
         real tNear = max(boxSpan(ray, grid.gridLo.xyz, gridHi).x * (1.0f - 2.0f * gammaBound(3.0f)), 0.0f);
-        ray.origin = moveAlong(near, ray.direction, min(tNear, tEnter)).rounded; // a ray that misses the grid has no such time
-        tEnter += min(tNear, tEnter);
-    } else {
-        // One rounding, with fma: the new origin lies on the ray, whatever the error of tEnter.
-        ray.origin = fma(ray.direction, real3(tEnter), ray.origin);
+        tNear = min(tNear, tEnter); // a ray that misses the grid has no such time
+        ray.origin = moveAlong(ray.origin, ray.direction, tNear);
+        tEnter += tNear;
     }
     bool isLimited = ray.tMin > 0.0f || ray.tMax < kBeyondScenes; // few are
     if (isLimited && tEnter > 0.0f) {

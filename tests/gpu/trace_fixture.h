@@ -95,7 +95,7 @@ private:
         features.doublePrecision = std::is_same_v<Record, QueryHitDouble>;
         features.intersect = settings.intersect;
         features.scatteredRays = scattered;
-        features.cutLoops = context.device().software;
+        features.software = context.device().software;
         features.subgroups = scattered && context.limits().subgroups;
         return features;
     }

@@ -52,7 +52,7 @@ protected:
                           const std::optional<glm::vec3>& expected = std::nullopt) {
         SceneFeatures features = renderFeatures(atlas, kBounces, 2);
         features.countWork = 1;
-        features.cutLoops = context->device().software;
+        features.software = context->device().software;
         const glm::uvec2 size(side());
         const test::Picture picture = test::renderPicture(
             *context, atlas, {features, pose, size, background, 0.0f}, limits().resources);

@@ -22,7 +22,7 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     SceneNeeds needs = choose(file.atlas, limits);
     needs.features.doublePrecision = options.doublePrecision;
     needs.features.intersect = options.intersect;
-    needs.features.cutLoops = scene.context->device().software;
+    needs.features.software = scene.context->device().software;
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
     scene.plan.features.countWork = 0;
     stages.begin("compile");

@@ -15,7 +15,7 @@ struct SceneFeatures {
     unsigned anyHit = 0;
     unsigned scatteredRays = 0;
     unsigned subgroups = 0;
-    unsigned cutLoops = 0;
+    unsigned software = 0;
     unsigned countWork = 0;
     unsigned hasSlivers = 0;
     unsigned hasTextures = 0;

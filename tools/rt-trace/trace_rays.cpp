@@ -154,7 +154,7 @@ void traceRays(const TraceOptions& options) {
     };
     const GpuScene scene = loadScene(options, ShaderKind::Query, choose, stages);
     const Traced traced = trace(options, scene, rays, stages);
-    if (scene.plan.features.cutLoops)
+    if (scene.plan.features.software)
         requireWholeWalks(traced.count(kWalkCutShort), "rays", options.scenePath);
     stages.begin("write");
     writeFile(options.outputPaths[0], std::as_bytes(std::span(traced.hits)));
