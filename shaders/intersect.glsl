@@ -93,9 +93,13 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
         real area = areaOf(weights);
         // From the plane: a ray that leaves the triangle next to it keeps its side, which weights of far corners would blur.
         real3 normal = normalOf(triangle);
-        // Corners in a line have no plane, but may fill a crack that rounding opens where one lies on its neighbour's edge.
-        if (all(equal(normal, real3(0.0f)))) normal = ray.direction;
-        precise real t = fixedDot(normal, s.a) / fixedDot(normal, ray.direction);
+        real facing = fixedDot(normal, ray.direction);
+        // Edge-on, or with corners in a line: not there but for rounding, which may leave it as the only one that sees the ray.
+        if (facing == 0.0f) {
+            normal = ray.direction;
+            facing = fixedDot(normal, normal);
+        }
+        precise real t = fixedDot(normal, s.a) / facing;
         uint id = floatBitsToUint(triangle.v0.w);
         if (t >= ray.tMin && isNearer(t, id, best) && area != 0.0f) best = Hit(t, weights.y / area, weights.z / area, id);
     }
