@@ -3,6 +3,7 @@
 #include "common/bounds.h"
 #include "formats/atlas.shared.h"
 #include "formats/material.shared.h"
+#include "formats/mesh.h"
 
 #include <cstdint>
 #include <span>
@@ -39,9 +40,10 @@ struct Atlas {
     SharedSpan<glm::vec2> texcoords;         ///< per vertex; empty if no material has an image
     SharedSpan<Material> materials;
     SharedSpan<Light> lights;
+    SharedSpan<NamedCamera> cameras;
     SharedSpan<ImagePlace> images;
     SharedSpan<std::uint32_t>
-        pages; ///< pageCount * pageHeight * pageWidth RGBA8 sRGB texels, R in the lowest byte
+        pages; ///< pageCount * pageHeight * pageWidth RGBA8 texels, R in the lowest byte
 
     std::uint64_t voxelCount() const { return std::uint64_t(grid.dims.x) * grid.dims.y * grid.dims.z; }
 };

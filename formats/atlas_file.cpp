@@ -14,7 +14,7 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 2, 0, ".rtatlas"};
+constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 3, 0, ".rtatlas"};
 
 constexpr std::uint32_t kInfo = sectionId("INFO");
 constexpr std::uint32_t kGrid = sectionId("GRID");
@@ -27,6 +27,7 @@ constexpr std::uint32_t kNormals = sectionId("NORM");
 constexpr std::uint32_t kTexcoords = sectionId("TEXC");
 constexpr std::uint32_t kMaterials = sectionId("MATL");
 constexpr std::uint32_t kLights = sectionId("LITE");
+constexpr std::uint32_t kCameras = sectionId("CAMS");
 constexpr std::uint32_t kImages = sectionId("IMGS");
 constexpr std::uint32_t kPages = sectionId("TEXP");
 
@@ -146,14 +147,16 @@ void validateShading(const Atlas& atlas, const Validator& check) {
     check.requireEach(atlas.materials, "material", [&](const Material& m) {
         return isValid(m, atlas.texcoords.empty() ? 0 : atlas.images.size());
     });
-    check.requireEach(atlas.lights, "light",
-                      [](const Light& l) { return finite3(l.positionWorld) && finite3(l.intensity); });
+    check.requireEach(atlas.lights, "light", [](const Light& l) { return isValid(l); });
+    check.requireEach(atlas.cameras, "camera", [](const NamedCamera& c) { return isValid(c); });
+    check.require(haveUniqueNames(atlas.cameras), "two cameras have one name");
     const AtlasInfo& info = atlas.info;
     check.requireEach(atlas.images, "image", [&](const ImagePlace& image) {
+        const glm::uvec2 extent = extentWithLevels(image.rect.z, image.rect.w);
         return image.rect.z >= 1 && image.rect.w >= 1 &&
-               std::uint64_t(image.rect.x) + image.rect.z <= info.pageWidth &&
-               std::uint64_t(image.rect.y) + image.rect.w <= info.pageHeight &&
-               image.page.x < info.pageCount && image.page.y <= kWrapMirror && image.page.z <= kWrapMirror;
+               std::uint64_t(image.rect.x) + extent.x <= info.pageWidth &&
+               std::uint64_t(image.rect.y) + extent.y <= info.pageHeight && image.page.x < info.pageCount &&
+               image.page.y <= kWrapMirror && image.page.z <= kWrapMirror && image.page.w <= kImageLinear;
     });
 }
 
@@ -200,6 +203,7 @@ void writeAtlas(const std::string& path, const Atlas& atlas) {
     if (!atlas.texcoords.empty()) writer.add<glm::vec2>(kTexcoords, atlas.texcoords);
     writer.add<Material>(kMaterials, atlas.materials);
     if (!atlas.lights.empty()) writer.add<Light>(kLights, atlas.lights);
+    if (!atlas.cameras.empty()) writer.add<NamedCamera>(kCameras, atlas.cameras);
     if (!atlas.images.empty()) {
         writer.add<ImagePlace>(kImages, atlas.images);
         writer.add<std::uint32_t>(kPages, atlas.pages);
@@ -225,6 +229,7 @@ MappedAtlas::MappedAtlas(const std::string& path)
     atlas.texcoords = file.get<glm::vec2>(kTexcoords);
     atlas.materials = file.get<Material>(kMaterials);
     atlas.lights = file.get<Light>(kLights);
+    atlas.cameras = file.get<NamedCamera>(kCameras);
     atlas.images = file.get<ImagePlace>(kImages);
     atlas.pages = file.get<std::uint32_t>(kPages);
 }

@@ -11,24 +11,35 @@ RT_SHARED_BEGIN
 #define RT_BINDING_GRID 0   // GridParams
 #define RT_BINDING_CAMERA 1 // CameraParams (render)
 #define RT_BINDING_QUERY 1  // QueryParams (query)
-// Image units.
-#define RT_IMAGE_COLOR 0    // rgba32f: linear RGB, A = 1 where the primary ray hit
+#define RT_BINDING_RENDER 2 // RenderParams (render)
+// Image units. Sums are over a pixel's samples so far; what has no sum is that of its first sample.
+#define RT_IMAGE_COLOR 0    // rgba32f: sum of linear RGB; A: samples whose primary ray hit
 #define RT_IMAGE_SURFACE 1  // rgba32f: N.xyz, Z
 #define RT_IMAGE_ID 2       // r32ui: triangle index or kNoTriangle
 #define RT_IMAGE_COUNTERS 3 // rgba32ui, where work is counted: see WorkCounters in shaders/ray.glsl
+#define RT_IMAGE_MOMENTS                                                                                     \
+    4 // rg32f, where the error is estimated: sum of the luminance squared, of the luminance
+#define RT_IMAGE_ALBEDO 5   // rgba32f, where AOVs are wanted: sum of the albedo; A = 0
+#define RT_IMAGE_POSITION 6 // rgba32f, where AOVs are wanted: P.xyz, world; A = 0
+#define RT_IMAGE_TEXCOORD 7 // rgba32f, where AOVs are wanted: U, V; sums of steps and tests of all rays
 // Storage buffers that are never split. Atlas arrays that may need several buffers take the numbers from
 // RT_BUFFER_FIRST_PAGED on, in the order of the host's table (tools/rt-trace/shader_resources).
 #define RT_BUFFER_QUEUE 0     // query, scattered rays: uint, the next ray's index
 #define RT_BUFFER_MATERIALS 0 // render
-#define RT_BUFFER_LIGHTS 1    // AtlasLight
+#define RT_BUFFER_LIGHTS 1    // Light, in atlas space
 #define RT_BUFFER_IMAGES 2
 #define RT_BUFFER_RAYS 3
+#define RT_BUFFER_ENVIRONMENT                                                                                \
+    3 // render: float, how light is distributed over the environment; see shaders/environment.glsl
 #define RT_BUFFER_HITS 4
 #define RT_BUFFER_COUNTERS 5 // uvec4 per ray, where work is counted
 #define RT_BUFFER_FIRST_PAGED 6
-// Texture units: the texture pages, then the slabs of the voxel texture.
+// Texture units: the texture pages, once with sRGB decoded and once as they are; the environment; then the
+// slabs of the voxel texture.
 #define RT_TEXTURE_PAGES 0
-#define RT_TEXTURE_FIRST_VOXELS 1
+#define RT_TEXTURE_LINEAR_PAGES 1
+#define RT_TEXTURE_ENVIRONMENT 2
+#define RT_TEXTURE_FIRST_VOXELS 3
 
 RT_SHARED_CONST uint kNoTriangle = 0xFFFFFFFFu;
 RT_SHARED_CONST uint kWalkCutShort = 0xFFFFFFFEu; // instead of a triangle: the device ended a loop too early
@@ -38,27 +49,45 @@ RT_SHARED_CONST uint kIntersectWatertight = 0u;     // Woop, Benthin & Wald 2013
 RT_SHARED_CONST uint kIntersectMollerTrumbore = 1u; // 1997
 RT_SHARED_CONST uint kIntersectBaldwinWeber = 2u;   // 2016
 
-// A pinhole camera in atlas space; the ray through pixel (x, y), (0, 0) = top left, is
-//     forward + right * (2 (x + 0.5) / width - 1) + up * (1 - 2 (y + 0.5) / height), normalized.
+// Kinds of cameras beyond those that files hold (formats/mesh.h).
+RT_SHARED_CONST uint kPerspectiveView = 0u;
+RT_SHARED_CONST uint kOrthographicView = 1u;
+RT_SHARED_CONST uint kPanoramaView = 2u;
+
+// A camera in atlas space. With x = 2 (column + 0.5) / width - 1 and y = 1 - 2 (row + 0.5) / height, row 0 at
+// the top, the ray through a point of the picture is
+//     perspective   from eye along forward + right * x + up * y
+//     orthographic  from eye + right * x + up * y along forward
+//     panorama      from eye, turned by pi * x about up from forward to right, and up by pi / 2 * y; the
+//     axes' lengths do not count
+// A lens moves a perspective ray's origin by up to lensRadius along right and up; it still meets its point at
+// focusDistance.
 struct CameraParams {
-    vec4 eye;        // xyz atlas space; w = 0
-    vec4 right;      // xyz half the image's width at distance 1; w = 0
-    vec4 up;         // xyz half the image's height at distance 1; w = 0
-    vec4 forward;    // xyz unit length; w = 0
-    vec4 background; // rgb radiance of rays that leave the scene; w = 0
-    vec4 ambient;    // rgb radiance that every surface receives, unshadowed; w = 0
-    uvec4 size;      // width, height, first row of this dispatch, 0
+    vec4 eye;     // xyz; w lens radius
+    vec4 right;   // xyz half the picture's width: perspective at distance 1; w = 0
+    vec4 up;      // xyz half the picture's height; w = 0
+    vec4 forward; // xyz unit length; w distance along it of the plane in focus
 };
+
+// What is rendered by one dispatch, and in which light.
+struct RenderParams {
+    vec4 background; // rgb radiance of rays that leave the scene, if there is no environment; w = 0
+    vec4 ambient; // rgb radiance that every surface receives; w distance within which surfaces hide it, 0 =
+                  // nothing does
+    vec4 environment; // rgb factor of the environment's radiance; w its turn about +y, in turns
+    vec4 filterSize;  // x radius of the reconstruction filter, pixels; yzw = 0
+    uvec4 size;       // width and height of the whole picture; zw = 0
+    uvec4 region;     // first pixel x, y of this dispatch; first pixel behind it x, y
+    uvec4 samples;    // first sample of this dispatch, how many, seed, kind of filter kFilter...
+};
+
+RT_SHARED_CONST uint kFilterBox = 0u;
+RT_SHARED_CONST uint kFilterTent = 1u;
+RT_SHARED_CONST uint kFilterGaussian = 2u; // sigma is a third of the radius
+RT_SHARED_CONST uint kFilterBlackmanHarris = 3u;
 
 struct QueryParams {
     uvec4 count; // x rays of this dispatch; y the most that a lane takes (scattered rays); zw = 0
-};
-
-// A point light as the shaders want it: distances are in atlas units, so intensities are those of the world
-// times the square of the scale.
-struct AtlasLight {
-    vec4 positionAtlas;  // xyz; w = 0
-    vec4 intensityAtlas; // rgb; w = 0
 };
 
 // Rays and hits are the raw float32 records of the --rays and -o files. Directions need not be normalized.
@@ -91,14 +120,14 @@ struct QueryHitDouble {
 RT_SHARED_END
 
 #ifdef __cplusplus
-static_assert(sizeof(rt::CameraParams) == 112 && sizeof(rt::QueryParams) == 16);
-static_assert(sizeof(rt::AtlasLight) == 32 && offsetof(rt::AtlasLight, intensityAtlas) == 16);
+static_assert(sizeof(rt::CameraParams) == 64 && sizeof(rt::QueryParams) == 16);
+static_assert(sizeof(rt::RenderParams) == 112 && offsetof(rt::RenderParams, samples) == 96);
 static_assert(sizeof(rt::QueryRay) == 32 && sizeof(rt::QueryHit) == 16);
 static_assert(sizeof(rt::QueryHitDouble) == 32 && offsetof(rt::QueryHitDouble, triangle) == 24);
 static_assert(sizeof(rt::TriangleTransform) == 48 && offsetof(rt::TriangleTransform, v) == 16 &&
               offsetof(rt::TriangleTransform, plane) == 32);
 static_assert(sizeof(rt::TriangleTransformDouble) == 96 && offsetof(rt::TriangleTransformDouble, v) == 32 &&
               offsetof(rt::TriangleTransformDouble, plane) == 64);
-static_assert(offsetof(rt::CameraParams, size) == 96 && offsetof(rt::QueryRay, directionTmax) == 16);
+static_assert(offsetof(rt::QueryRay, directionTmax) == 16);
 #endif
 #endif

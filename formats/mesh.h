@@ -8,15 +8,36 @@
 
 namespace rt {
 
-/// A decoded 8-bit image: RGBA, sRGB-encoded colour, straight alpha, top row first.
+/// A decoded 8-bit image: RGBA, straight alpha, top row first.
 struct MeshImage {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
     std::uint32_t wrapU = kWrapRepeat;
     std::uint32_t wrapV = kWrapRepeat;
     std::uint64_t firstPixel = 0; ///< index of its first pixel in Mesh::pixels
+    std::uint32_t space = kImageSrgb;
+    std::uint32_t zero = 0;
 };
-static_assert(sizeof(MeshImage) == 24);
+static_assert(sizeof(MeshImage) == 32);
+
+inline constexpr std::uint32_t kCameraPerspective = 0;
+inline constexpr std::uint32_t kCameraOrthographic = 1;
+inline constexpr std::uint32_t kCameraKinds = 2; ///< that files hold
+
+/// A camera that a file names, in world space.
+struct NamedCamera {
+    char name[64]; ///< UTF-8, 0 behind it; not empty, no control characters
+    double eye[3];
+    double lookAt[3];
+    double up[3];         ///< about; not along the view
+    double fovDegrees;    ///< perspective: of the picture's height, inside (0, 180)
+    double height;        ///< orthographic: of what the picture shows, > 0
+    double lensRadius;    ///< >= 0; 0 = everything is sharp
+    double focusDistance; ///< > 0 where lensRadius is
+    std::uint32_t kind;   ///< kCamera...
+    std::uint32_t zero;
+};
+static_assert(sizeof(NamedCamera) == 176);
 
 /// An indexed triangle mesh in world space, with all that is needed to shade it.
 /// Triangles stand in the imported file's order; a triangle's position is its id everywhere.
@@ -27,7 +48,8 @@ struct Mesh {
     SharedSpan<glm::uvec3> triangles; ///< three vertex indices each, counter-clockwise from outside
     SharedSpan<std::uint32_t> triangleMaterial; ///< one per triangle: index into materials
     SharedSpan<Material> materials;             ///< at least one
-    SharedSpan<Light> lights;                   ///< the file's point lights; may be empty
+    SharedSpan<Light> lights;                   ///< may be empty
+    SharedSpan<NamedCamera> cameras;            ///< may be empty; names are unique
     SharedSpan<MeshImage> images;
     SharedSpan<std::uint32_t> pixels; ///< of all images; R in the lowest byte
 };
@@ -38,8 +60,16 @@ Bounds boundsOf(const Mesh& mesh);
 /// Indices of triangles and vertices stay below 2^31.
 inline constexpr std::size_t kMaxIndexedCount = 0x7FFFFFFFu;
 
-/// Whether every number is in the range that formats/README.md gives, and the image is one of `imageCount`.
+/// A grey or coloured diffuse surface; every other field says "nothing of that kind".
+Material diffuseMaterial(const glm::vec3& baseColor);
+/// A light that shines to all sides from a point.
+Light pointLight(const glm::vec3& position, const glm::vec3& intensity);
+
+/// Whether every number is in the range that material.shared.h gives, and images are among `imageCount`.
 bool isValid(const Material& material, std::size_t imageCount);
+bool isValid(const Light& light);
+bool isValid(const NamedCamera& camera);
+bool haveUniqueNames(std::span<const NamedCamera> cameras);
 
 /// Throws Error{InvalidContent}, message prefixed by `name`, unless every count, index and number holds what
 /// the comments above promise.

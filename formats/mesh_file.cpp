@@ -11,7 +11,7 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kMeshKind{{'\x89', 'R', 'T', 'M', 'E', 'S', 'H', '\n'}, 1, 0, ".rtmesh"};
+constexpr FileKind kMeshKind{{'\x89', 'R', 'T', 'M', 'E', 'S', 'H', '\n'}, 2, 0, ".rtmesh"};
 
 constexpr std::uint32_t kPositions = sectionId("POSI");
 constexpr std::uint32_t kNormals = sectionId("NORM");
@@ -20,6 +20,7 @@ constexpr std::uint32_t kTriangles = sectionId("TRIS");
 constexpr std::uint32_t kTriangleMaterial = sectionId("TMAT");
 constexpr std::uint32_t kMaterials = sectionId("MATL");
 constexpr std::uint32_t kLights = sectionId("LITE");
+constexpr std::uint32_t kCameras = sectionId("CAMS");
 constexpr std::uint32_t kImages = sectionId("IMGS");
 constexpr std::uint32_t kPixels = sectionId("PIXL");
 
@@ -35,12 +36,6 @@ bool finite(const glm::vec2& v) {
 bool finite(const glm::vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
-bool finite(const glm::vec4& v) {
-    return finite(glm::vec3(v)) && std::isfinite(v.w);
-}
-bool inUnitRange(float x) {
-    return x >= 0.0f && x <= 1.0f;
-}
 bool isUnit(const glm::vec3& n) {
     return std::abs(glm::dot(n, n) - 1.0f) < 1e-3f;
 } // false for NaN
@@ -48,7 +43,8 @@ bool isUnit(const glm::vec3& n) {
 bool isValidImage(const MeshImage& image, std::size_t pixelCount) {
     const std::uint64_t pixels = std::uint64_t(image.width) * image.height;
     return image.width > 0 && image.height > 0 && image.wrapU <= kWrapMirror && image.wrapV <= kWrapMirror &&
-           image.firstPixel <= pixelCount && pixels <= pixelCount - image.firstPixel;
+           image.space <= kImageLinear && image.zero == 0 && image.firstPixel <= pixelCount &&
+           pixels <= pixelCount - image.firstPixel;
 }
 
 } // namespace
@@ -58,15 +54,6 @@ Bounds boundsOf(const Mesh& mesh) {
     for (const glm::uvec3& t : mesh.triangles)
         for (int corner = 0; corner < 3; ++corner) bounds.add(mesh.positions[t[corner]]);
     return bounds;
-}
-
-bool isValid(const Material& m, std::size_t imageCount) {
-    const bool colors =
-        finite(m.baseColor) && finite(m.emission) &&
-        glm::min(m.baseColor, m.emission) == glm::max(glm::min(m.baseColor, m.emission), glm::vec4(0.0f));
-    const bool optics = inUnitRange(m.optics.x) && inUnitRange(m.optics.y) &&
-                        m.optics.x + m.optics.y <= 1.0f + 1e-5f && m.optics.z >= 1.0f && m.optics.z <= 100.0f;
-    return colors && optics && (m.images.x == kNoImage || m.images.x < imageCount);
 }
 
 void validate(const Mesh& mesh, const std::string& name) {
@@ -93,8 +80,10 @@ void validate(const Mesh& mesh, const std::string& name) {
                            [&](const MeshImage& i) { return isValidImage(i, mesh.pixels.size()); });
     requireEach<Material>(mesh.materials, name, "material",
                           [&](const Material& m) { return isValid(m, mesh.images.size()); });
-    requireEach<Light>(mesh.lights, name, "light",
-                       [](const Light& l) { return finite(l.positionWorld) && finite(l.intensity); });
+    requireEach<Light>(mesh.lights, name, "light", [](const Light& l) { return isValid(l); });
+    requireEach<NamedCamera>(mesh.cameras, name, "camera", [](const NamedCamera& c) { return isValid(c); });
+    if (!haveUniqueNames(mesh.cameras))
+        throw Error(ErrorKind::InvalidContent, name + ": two cameras have one name");
 }
 
 void writeMesh(const std::string& path, const Mesh& mesh) {
@@ -106,6 +95,7 @@ void writeMesh(const std::string& path, const Mesh& mesh) {
     writer.add<std::uint32_t>(kTriangleMaterial, mesh.triangleMaterial);
     writer.add<Material>(kMaterials, mesh.materials);
     if (!mesh.lights.empty()) writer.add<Light>(kLights, mesh.lights);
+    if (!mesh.cameras.empty()) writer.add<NamedCamera>(kCameras, mesh.cameras);
     if (!mesh.images.empty()) {
         writer.add<MeshImage>(kImages, mesh.images);
         writer.add<std::uint32_t>(kPixels, mesh.pixels);
@@ -123,6 +113,7 @@ MeshFile readMesh(const std::string& path) {
     mesh.triangleMaterial = file.get<std::uint32_t>(kTriangleMaterial);
     mesh.materials = file.get<Material>(kMaterials);
     mesh.lights = file.get<Light>(kLights);
+    mesh.cameras = file.get<NamedCamera>(kCameras);
     mesh.images = file.get<MeshImage>(kImages);
     mesh.pixels = file.get<std::uint32_t>(kPixels);
     file.verify([&] { validate(mesh, path); });

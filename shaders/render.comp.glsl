@@ -18,7 +18,7 @@ layout(local_size_x = RT_GROUP_X, local_size_y = RT_GROUP_Y) in;
 const real kUnlimited = 1e30f;
 
 real3 pixelDirection(uvec2 pixel) {
-    real2 ndc = 2.0f * (real2(pixel) + 0.5f) / real2(camera.size.xy) - 1.0f;
+    real2 ndc = 2.0f * (real2(pixel) + 0.5f) / real2(picture.size.xy) - 1.0f;
     return normalize(camera.forward.xyz + camera.right.xyz * ndc.x - camera.up.xyz * ndc.y);
 }
 
@@ -38,7 +38,7 @@ Pixel renderPixel(real3 direction, inout WorkCounters work) {
         Ray ray = Ray(current.origin, current.direction, 0.0f, kUnlimited);
         Hit hit = trace(ray, false, work);
         if (hit.triangle == kNoTriangle) {
-            pixel.color.rgb += current.weight * camera.background.rgb;
+            pixel.color.rgb += current.weight * picture.background.rgb;
             continue;
         }
         if (kCountWork && hit.triangle == current.from) work.selfHits += 1u;
@@ -57,8 +57,8 @@ Pixel renderPixel(real3 direction, inout WorkCounters work) {
 }
 
 void main() {
-    uvec2 xy = uvec2(gl_GlobalInvocationID.x, gl_GlobalInvocationID.y + camera.size.z);
-    if (xy.x >= camera.size.x || xy.y >= camera.size.y) return;
+    uvec2 xy = gl_GlobalInvocationID.xy + picture.region.xy;
+    if (any(greaterThanEqual(xy, picture.region.zw))) return;
     WorkCounters work = WorkCounters(0u, 0u, 0u, 0u);
     Pixel pixel = renderPixel(pixelDirection(xy), work);
     ivec2 texel = ivec2(xy);

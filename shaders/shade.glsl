@@ -4,23 +4,23 @@ const float kLeastWeight = 1e-3f; // rays whose light counts less than this in t
 
 // Radiance that one light sends through the surface to the eye; black if the light is hidden. Transmissive surfaces
 // hide it too.
-vec3 directLight(Surface s, AtlasLight light, inout WorkCounters work) {
-    real3 toLight = light.positionAtlas.xyz - s.position;
+vec3 directLight(Surface s, Light light, inout WorkCounters work) {
+    real3 toLight = light.position.xyz - s.position;
     real squaredDistance = dot(toLight, toLight);
     real cosine = dot(s.normal, toLight) * inversesqrt(squaredDistance);
     if (!(cosine > 0.0f) || dot(s.geometricNormal, toLight) <= 0.0f) return vec3(0.0f);
     real3 origin = leaveSurface(s, toLight);
-    Hit blocker = trace(Ray(origin, light.positionAtlas.xyz - origin, 0.0f, 1.0f), true, work);
+    Hit blocker = trace(Ray(origin, light.position.xyz - origin, 0.0f, 1.0f), true, work);
     if (kCountWork && blocker.triangle == s.triangle) work.selfHits += 1u;
     if (blocker.triangle != kNoTriangle) return vec3(0.0f);
-    return s.albedo * light.intensityAtlas.rgb * float(cosine / (kPi * squaredDistance));
+    return s.albedo * light.intensity.rgb * float(cosine / (kPi * squaredDistance));
 }
 
 vec3 localLight(Surface s, inout WorkCounters work) {
     float diffuse = max(1.0f - s.reflectivity - s.transmission, 0.0f);
     vec3 color = s.emission;
     if (diffuse > 0.0f) {
-        vec3 received = s.albedo * camera.ambient.rgb;
+        vec3 received = s.albedo * picture.ambient.rgb;
         if (kHasLights)
             for (uint i = 0u; i < grid.counts.w; ++i) received += directLight(s, lights[i], work);
         color += diffuse * received;

@@ -101,9 +101,9 @@ Surface surfaceAt(Ray ray, Hit hit) {
     s.albedo = material.baseColor.rgb;
     if (kHasTextures && material.images.x != kNoImage) s.albedo *= imageColor(material.images.x, vertices, vec3(weights));
     s.emission = kHasEmission ? material.emission.rgb : vec3(0.0f);
-    s.reflectivity = kHasReflection ? material.optics.x : 0.0f;
-    s.transmission = kHasTransmission ? material.optics.y : 0.0f;
-    s.eta = entering ? 1.0f / material.optics.z : material.optics.z;
+    s.reflectivity = kHasReflection ? material.reflection.w : 0.0f;
+    s.transmission = kHasTransmission ? (1.0f - material.reflection.w) * material.transmission.x : 0.0f;
+    s.eta = entering ? 1.0f / material.transmission.y : material.transmission.y;
     return s;
 }
 

@@ -35,12 +35,11 @@ inline Picture renderPicture(const GlContext& context, const Atlas& atlas, const
     const ResourcePlan plan = planResources(atlas, features, ShaderKind::Render, resourceLimits, "atlas");
     const GpuAtlas gpuAtlas =
         uploadAtlas(atlas, plan, context.limits(),
-                    static_cast<unsigned>(features.hasLights ? lights.size() : 0), "atlas");
-    CameraParams camera = cameraInAtlas(settings.pose, aspect, atlas.grid);
-    camera.background = glm::vec4(settings.background, 0.0f);
-    camera.ambient = glm::vec4(settings.ambient);
-    camera.size = {settings.size, 0, 0};
-    const GpuView view(camera, lights);
+                    static_cast<unsigned>(features.lightCount > 0 ? lights.size() : 0), "atlas");
+    RenderParams params = wholePicture(settings.size);
+    params.background = glm::vec4(settings.background, 0.0f);
+    params.ambient = glm::vec4(glm::vec3(settings.ambient), 0.0f);
+    const GpuView view(cameraInAtlas(settings.pose, aspect, atlas.grid), params, lights);
     const Film film(settings.size, features.countWork, context.limits());
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();

@@ -27,13 +27,14 @@ Material glowing() {
 }
 Material mirror() {
     Material material = matt();
-    material.optics.x = 1.0f;
+    material.reflection.w = 1.0f;
     return material;
 }
 Material glass(float ior) {
     Material material = matt();
     material.baseColor = glm::vec4(1.0f);
-    material.optics = glm::vec4(0.0f, 1.0f, ior, 0.0f);
+    material.transmission.x = 1.0f;
+    material.transmission.y = ior;
     return material;
 }
 
@@ -86,8 +87,9 @@ public:
     LitScene(const GlContext& context, const Mesh& mesh, const std::optional<PointLight>& light = {},
              float ambient = 0.0f)
         : context_(context), atlas_(test::makeAtlas(mesh, kStructureCloud, {12, 9, 10})), ambient_(ambient),
-          plan_(planResources(atlas_, renderFeatures(atlas_, 8, light ? 1 : 0), ShaderKind::Render,
-                              context.limits().resources, "atlas")),
+          plan_(planResources(
+              atlas_, renderFeatures(atlas_, {.maxDepth = 8, .lights = std::vector<Light>(light ? 1 : 0)}),
+              ShaderKind::Render, context.limits().resources, "atlas")),
           gpuAtlas_(uploadAtlas(atlas_, plan_, context.limits(), light ? 1 : 0, "atlas")),
           program_(compileVariant(plan_)) {
         if (light)
@@ -97,11 +99,10 @@ public:
 
     FilmPixels render(const CameraPose& pose, glm::uvec2 size) const {
         const double aspect = double(size.x) / size.y;
-        CameraParams camera = cameraInAtlas(pose, aspect, atlas_.grid);
-        camera.background = glm::vec4(kBackground, 0.0f);
-        camera.ambient = glm::vec4(glm::vec3(ambient_), 0.0f);
-        camera.size = {size, 0, 0};
-        const GpuView view(camera, lights_);
+        RenderParams params = wholePicture(size);
+        params.background = glm::vec4(kBackground, 0.0f);
+        params.ambient = glm::vec4(glm::vec3(ambient_), 0.0f);
+        const GpuView view(cameraInAtlas(pose, aspect, atlas_.grid), params, lights_);
         const Film film(size, false, context_.limits());
         gpuAtlas_.bind();
         view.bind();
@@ -122,7 +123,7 @@ private:
     ResourcePlan plan_;
     GpuAtlas gpuAtlas_;
     GlProgram program_;
-    std::vector<AtlasLight> lights_;
+    std::vector<Light> lights_;
 };
 
 testing::AssertionResult isColor(const glm::vec3& color, const glm::vec3& expected) {
@@ -288,8 +289,8 @@ TEST_F(Optics, TexturesAreFilteredInLinearLightAndWrappedAsTheImageSays) {
 TEST_F(Optics, TexturePagesLargerThanTheDeviceAllowsAreALimit) {
     const Atlas atlas = test::makeAtlas(test::makeTexturedSquare({{16, 16}}), kStructureCloud, {2, 2, 1});
     GlLimits tiny = limits();
-    const ResourcePlan plan =
-        planResources(atlas, renderFeatures(atlas, 0, 0), ShaderKind::Render, tiny.resources, "atlas");
+    const ResourcePlan plan = planResources(atlas, renderFeatures(atlas, {.maxDepth = 0}), ShaderKind::Render,
+                                            tiny.resources, "atlas");
     tiny.resources.textureBytes = atlas.pages.size_bytes();
     EXPECT_NO_THROW(uploadAtlas(atlas, plan, tiny, 0, "atlas"));
     tiny.resources.textureBytes -= 1;

@@ -26,7 +26,9 @@ protected:
                                    resourceLimits ? *resourceLimits : limits().resources);
     }
 
-    static SceneFeatures featuresOf(const Atlas& atlas) { return renderFeatures(atlas, 4, 2); }
+    static SceneFeatures featuresOf(const Atlas& atlas) {
+        return renderFeatures(atlas, {.maxDepth = 4, .lights = test::kTwoLights});
+    }
 };
 
 Mesh withMaterial(Mesh mesh, const Material& material) {
@@ -76,7 +78,8 @@ TEST_F(Rendering, AFeatureThatTheSceneDoesNotUseDoesNotChangeThePicture) {
 
 TEST_F(Rendering, AFeatureThatTheSceneUsesDoesChangeThePicture) {
     Material material = test::greyMaterial();
-    material.optics = glm::vec4(0.3f, 0.4f, 1.5f, 0.0f);
+    material.reflection.w = 0.3f;
+    material.transmission.x = 0.4f / 0.7f;
     material.emission = glm::vec4(0.2f, 0.1f, 0.0f, 0.0f);
     const Atlas atlas =
         test::makeAtlas(withMaterial(test::makeSphere(2), material), kStructureCloud, {8, 8, 8});
@@ -85,7 +88,7 @@ TEST_F(Rendering, AFeatureThatTheSceneUsesDoesChangeThePicture) {
     EXPECT_EQ(countNonFinite(full), 0u);
     for (const auto feature :
          {&SceneFeatures::hasReflection, &SceneFeatures::hasTransmission, &SceneFeatures::hasEmission,
-          &SceneFeatures::hasLights, &SceneFeatures::maxDepth}) {
+          &SceneFeatures::lightCount, &SceneFeatures::maxDepth}) {
         SceneFeatures features = all;
         features.*feature = 0;
         EXPECT_GT(largestDifference(full, render(atlas, features).pixels), 0.01f);
@@ -96,7 +99,9 @@ TEST_F(Rendering, PerfectMirrorsAndClearGlassShowTheBackground) {
     for (const glm::vec2 optics : {glm::vec2(1, 0), glm::vec2(0, 1), glm::vec2(0.25f, 0.75f)}) {
         Material material = test::greyMaterial();
         material.baseColor = glm::vec4(1.0f);
-        material.optics = glm::vec4(optics, 1.0f, 0.0f);
+        material.reflection.w = optics.x;
+        material.transmission.x = optics.y > 0.0f ? 1.0f : 0.0f;
+        material.transmission.y = 1.0f;
         const Atlas atlas =
             test::makeAtlas(withMaterial(test::makeCube(), material), kStructureCloud, {4, 4, 4});
         SceneFeatures features = featuresOf(atlas);

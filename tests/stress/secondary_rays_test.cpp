@@ -27,7 +27,8 @@ constexpr unsigned kBounces = 16;
 
 Mesh withOptics(Mesh mesh, float reflectivity, float transmission) {
     Material material = test::greyMaterial();
-    material.optics = glm::vec4(reflectivity, transmission, 1.5f, 0.0f);
+    material.reflection.w = reflectivity;
+    material.transmission.x = transmission;
     mesh.materials = std::vector<Material>{material};
     return mesh;
 }
@@ -50,7 +51,7 @@ protected:
     static Outcome render(const std::string& name, const Atlas& atlas, const CameraPose& pose,
                           const glm::vec3& background,
                           const std::optional<glm::vec3>& expected = std::nullopt) {
-        SceneFeatures features = renderFeatures(atlas, kBounces, 2);
+        SceneFeatures features = renderFeatures(atlas, {.maxDepth = kBounces, .lights = test::kTwoLights});
         features.countWork = 1;
         features.software = context->device().software;
         const glm::uvec2 size(side());

@@ -48,8 +48,9 @@ void subdivide(std::vector<glm::vec3>& vertices, std::vector<glm::uvec3>& triang
 } // namespace
 
 Material greyMaterial() {
-    return {glm::vec4(0.8f, 0.8f, 0.8f, 1.0f), glm::vec4(0.0f), glm::vec4(0.0f, 0.0f, 1.5f, 0.0f),
-            glm::uvec4(kNoImage)};
+    Material material = diffuseMaterial(glm::vec3(0.8f));
+    material.transmission.y = 1.5f;
+    return material;
 }
 
 Mesh makeTriangles(const std::vector<glm::vec3>& corners) {
@@ -213,7 +214,7 @@ Mesh makeTexturedSquare(const std::vector<glm::uvec2>& imageSizes) {
     std::vector<MeshImage> images;
     std::uint64_t pixelCount = 0;
     for (const glm::uvec2& size : imageSizes) {
-        images.push_back({size.x, size.y, kWrapRepeat, kWrapClamp, pixelCount});
+        images.push_back({size.x, size.y, kWrapRepeat, kWrapClamp, pixelCount, kImageSrgb, 0});
         pixelCount += std::uint64_t(size.x) * size.y;
     }
     std::vector<std::uint32_t> pixels(pixelCount);

@@ -7,6 +7,9 @@
 
 namespace rt::test {
 
+/// Point lights, where it only counts how many there are.
+inline const std::vector<Light> kTwoLights(2);
+
 // Meshes made in code. Each is valid per rt::validate(), has one grey matt material, no texture coordinates,
 // no lights and no images, unless it says otherwise.
 

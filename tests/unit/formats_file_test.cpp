@@ -19,8 +19,11 @@ namespace rt {
 namespace {
 
 Material greyMaterial(std::uint32_t image) {
-    return {glm::vec4(0.5f, 0.5f, 0.5f, 1.0f), glm::vec4(0.0f), glm::vec4(0.25f, 0.5f, 1.5f, 0.0f),
-            glm::uvec4(image, kNoImage, kNoImage, kNoImage)};
+    Material material = diffuseMaterial(glm::vec3(0.5f));
+    material.reflection.w = 0.25f;
+    material.transmission = glm::vec4(0.5f, 1.5f, 0.0f, 0.0f);
+    material.images.x = image;
+    return material;
 }
 
 Mesh smallMesh() {
@@ -31,8 +34,8 @@ Mesh smallMesh() {
     mesh.triangles = std::vector<glm::uvec3>{{0, 1, 2}, {1, 3, 2}};
     mesh.triangleMaterial = std::vector<std::uint32_t>{0, 0};
     mesh.materials = std::vector<Material>{greyMaterial(0)};
-    mesh.lights = std::vector<Light>{{glm::vec4(1, 2, 3, 0), glm::vec4(4, 5, 6, 0)}};
-    mesh.images = std::vector<MeshImage>{{2, 1, kWrapRepeat, kWrapClamp, 0}};
+    mesh.lights = std::vector<Light>{pointLight({1, 2, 3}, {4, 5, 6})};
+    mesh.images = std::vector<MeshImage>{{2, 1, kWrapRepeat, kWrapClamp, 0, kImageSrgb, 0}};
     mesh.pixels = std::vector<std::uint32_t>{0xFF0000FFu, 0xFF00FF00u};
     return mesh;
 }
@@ -55,10 +58,10 @@ Atlas smallAtlas() {
     atlas.normals = std::vector<std::uint32_t>(4, 0u);
     atlas.texcoords = std::vector<glm::vec2>{{0, 0}, {1, 0}, {0, 1}, {1, 1}};
     atlas.materials = std::vector<Material>{greyMaterial(0)};
-    atlas.lights = std::vector<Light>{{glm::vec4(1, 2, 3, 0), glm::vec4(4, 5, 6, 0)}};
+    atlas.lights = std::vector<Light>{pointLight({1, 2, 3}, {4, 5, 6})};
     atlas.images = std::vector<ImagePlace>{{{0, 0, 2, 1}, {0, 0, 0, 0}}};
-    atlas.pages = std::vector<std::uint32_t>{0xFF0000FFu, 0xFF00FF00u};
-    atlas.info.pageWidth = 2;
+    atlas.pages = std::vector<std::uint32_t>{0xFF0000FFu, 0xFF00FF00u, 0xFF008080u};
+    atlas.info.pageWidth = 3;
     atlas.info.pageHeight = atlas.info.pageCount = 1;
     return atlas;
 }

@@ -53,8 +53,7 @@ Atlas largeAtlas(const std::function<void(std::vector<std::uint32_t>& voxels)>& 
     atlas.triangles = std::vector<TriangleRecord>{{{0, 0, 0, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}}};
     atlas.triangleVertices = std::vector<glm::uvec4>{{0, 1, 2, 0}};
     atlas.normals = std::vector<std::uint32_t>(3, 0u);
-    atlas.materials =
-        std::vector<Material>{{glm::vec4(1), glm::vec4(0), glm::vec4(0, 0, 1, 0), glm::uvec4(kNoImage)}};
+    atlas.materials = std::vector<Material>{diffuseMaterial(glm::vec3(1.0f))};
     return atlas;
 }
 

@@ -147,7 +147,7 @@ TEST(ImportGeometry, PointLightsComeInWorldSpaceAndOtherKindsAreCounted) {
                                           {"type":"directional"}]}})"));
     const ImportedModel model = files.import("m.gltf");
     ASSERT_EQ(model.mesh.lights.size(), 1u);
-    EXPECT_EQ(model.mesh.lights[0].positionWorld, glm::vec4(1, 2, 8, 0));
+    EXPECT_EQ(model.mesh.lights[0].position, glm::vec4(1, 2, 8, 0));
     EXPECT_EQ(model.mesh.lights[0].intensity, glm::vec4(100, 50, 25, 0));
     EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("1 lights are no point lights")));
 }

@@ -112,9 +112,9 @@ Atlas atlasWithScale(float scale, float offset = 10.0f) {
 }
 
 // Radiance of a white surface at the point that faces the light, all in atlas space.
-double facingRadiance(const AtlasLight& light, const glm::dvec3& atlasPoint) {
-    const double d = glm::distance(glm::dvec3(light.positionAtlas), atlasPoint);
-    return light.intensityAtlas.x / (M_PI * d * d);
+double facingRadiance(const Light& light, const glm::dvec3& atlasPoint) {
+    const double d = glm::distance(glm::dvec3(light.position), atlasPoint);
+    return light.intensity.x / (M_PI * d * d);
 }
 
 TEST(Lights, DefaultsLightTheCentreTheSameAtAnyScale) {
@@ -133,25 +133,24 @@ TEST(Lights, OfTheCommandLineReplaceThoseOfTheSceneWhichReplaceTheDefaults) {
     Atlas atlas = atlasWithScale(0.5f);
     const BoundsD scene{glm::dvec3(9, -1, -1), glm::dvec3(11, 1, 1)};
     const CameraPose pose = placeCamera({}, scene, 1.0);
-    atlas.lights = std::vector<Light>{{glm::vec4(12, 4, 0, 0), glm::vec4(8, 4, 2, 0)}};
+    atlas.lights = std::vector<Light>{pointLight({12, 4, 0}, {8, 4, 2})};
     auto lights = chooseLights({}, atlas, scene, pose);
     ASSERT_EQ(lights.size(), 1u);
-    EXPECT_EQ(lights[0].positionAtlas, glm::vec4(1, 2, 0, 0));
-    EXPECT_EQ(lights[0].intensityAtlas, glm::vec4(2, 1, 0.5, 0)); // a quarter: distances have halved
+    EXPECT_EQ(lights[0].position, glm::vec4(1, 2, 0, 0));
+    EXPECT_EQ(lights[0].intensity, glm::vec4(2, 1, 0.5, 0)); // a quarter: distances have halved
     lights = chooseLights({{glm::dvec3(10, 6, 0), std::nullopt}, {glm::dvec3(10, 0, 8), glm::vec3(4)}}, atlas,
                           scene, pose);
     ASSERT_EQ(lights.size(), 2u);
     EXPECT_NEAR(facingRadiance(lights[0], glm::dvec3(0)), 0.9, 1e-6);
-    EXPECT_EQ(lights[1].intensityAtlas, glm::vec4(1, 1, 1, 0));
+    EXPECT_EQ(lights[1].intensity, glm::vec4(1, 1, 1, 0));
 }
 
 TEST(Lights, ACameraInsideTheSceneCarriesThem) {
     const BoundsD room{glm::dvec3(-5), glm::dvec3(5)};
     CameraRequest request;
     request.eye = glm::dvec3(1, 2, 3);
-    for (const AtlasLight& light :
-         chooseLights({}, atlasWithScale(1.0f), room, placeCamera(request, room, 1.0)))
-        EXPECT_LT(glm::distance(glm::dvec3(light.positionAtlas) + glm::dvec3(10, 0, 0), *request.eye), 1.0);
+    for (const Light& light : chooseLights({}, atlasWithScale(1.0f), room, placeCamera(request, room, 1.0)))
+        EXPECT_LT(glm::distance(glm::dvec3(light.position) + glm::dvec3(10, 0, 0), *request.eye), 1.0);
 }
 
 } // namespace

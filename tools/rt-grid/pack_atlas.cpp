@@ -28,7 +28,10 @@ SharedSpan<std::uint32_t> encodedNormals(const Mesh& mesh) {
 
 SharedSpan<Material> materialsWithoutImages(const Mesh& mesh) {
     std::vector<Material> materials(mesh.materials.begin(), mesh.materials.end());
-    for (Material& material : materials) material.images.x = kNoImage;
+    for (Material& material : materials) {
+        material.images = glm::uvec4(kNoImage);
+        material.more.x = kNoImage;
+    }
     return materials;
 }
 
@@ -76,8 +79,10 @@ GridParams makeGrid(const Mesh& mesh, std::uint32_t structure, const GridStages&
 } // namespace
 
 bool showsImages(const Mesh& mesh) {
-    return !mesh.texcoords.empty() && std::any_of(mesh.materials.begin(), mesh.materials.end(),
-                                                  [](const Material& m) { return m.images.x != kNoImage; });
+    return !mesh.texcoords.empty() &&
+           std::any_of(mesh.materials.begin(), mesh.materials.end(), [](const Material& m) {
+               return m.images != glm::uvec4(kNoImage) || m.more.x != kNoImage;
+           });
 }
 
 Atlas packAtlas(const MeshFile& meshFile, std::uint32_t structure, GridStages stages) {
@@ -95,6 +100,7 @@ Atlas packAtlas(const MeshFile& meshFile, std::uint32_t structure, GridStages st
     if (textured) atlas.texcoords = mesh.texcoords;
     atlas.materials = textured ? mesh.materials : materialsWithoutImages(mesh);
     atlas.lights = mesh.lights;
+    atlas.cameras = mesh.cameras;
     atlas.pages = paintPages(mesh, stages.pages);
     atlas.images = std::move(stages.pages.places);
     return atlas;

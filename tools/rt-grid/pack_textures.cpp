@@ -15,8 +15,10 @@ namespace {
 std::vector<std::size_t> tallestFirst(const SharedSpan<MeshImage>& images) {
     std::vector<std::size_t> order(images.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return images[a].height > images[b].height; });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return extentWithLevels(images[a].width, images[a].height).y >
+               extentWithLevels(images[b].width, images[b].height).y;
+    });
     return order;
 }
 
@@ -29,18 +31,19 @@ PageLayout placeOnShelves(const SharedSpan<MeshImage>& images, const std::vector
     std::uint32_t x = 0, shelf = 0, nextShelf = 0, page = 0;
     for (const std::size_t i : order) {
         const MeshImage& image = images[i];
-        if (x + image.width > side) {
+        const glm::uvec2 extent = extentWithLevels(image.width, image.height);
+        if (x + extent.x > side) {
             x = 0;
             shelf = nextShelf;
         }
-        if (shelf + image.height > side) {
+        if (shelf + extent.y > side) {
             x = shelf = 0;
             ++page;
         }
-        if (x == 0) nextShelf = shelf + image.height; // the first of a shelf is its tallest
+        if (x == 0) nextShelf = shelf + extent.y; // the first of a shelf is its tallest
         layout.places[i] = {glm::uvec4(x, shelf, image.width, image.height),
-                            glm::uvec4(page, image.wrapU, image.wrapV, 0u)};
-        x += image.width;
+                            glm::uvec4(page, image.wrapU, image.wrapV, image.space)};
+        x += extent.x;
     }
     layout.pageCount = page + 1;
     if (page == 0) layout.height = nextShelf;
@@ -54,13 +57,14 @@ PageLayout placeImages(const SharedSpan<MeshImage>& images, const std::string& n
     std::uint32_t longest = 0;
     std::uint64_t texels = 0;
     for (const MeshImage& image : images) {
-        longest = std::max({longest, image.width, image.height});
-        texels += std::uint64_t(image.width) * image.height;
+        const glm::uvec2 extent = extentWithLevels(image.width, image.height);
+        longest = std::max({longest, extent.x, extent.y});
+        texels += std::uint64_t(extent.x) * extent.y;
     }
     if (longest > kMaxPageSide)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: an image is {} pixels wide or high; at most {} are "
-                                "possible; scale it down",
+                    fmt::format("{}: an image with its smaller levels is {} pixels wide or high; at most "
+                                "{} are possible; scale it down",
                                 name, longest, kMaxPageSide));
     const std::vector<std::size_t> order = tallestFirst(images);
     std::uint32_t side = std::bit_ceil(longest);

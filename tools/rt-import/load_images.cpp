@@ -114,7 +114,7 @@ private:
         const auto [entry, isNew] = placed_.try_emplace({path, texture.wrapU, texture.wrapV}, next);
         if (isNew)
             result.images.push_back(
-                {image.width, image.height, texture.wrapU, texture.wrapV, image.firstPixel});
+                {image.width, image.height, texture.wrapU, texture.wrapV, image.firstPixel, kImageSrgb, 0});
         return entry->second;
     }
 

@@ -1,5 +1,7 @@
 #include "tools/rt-import/read_lights.h"
 
+#include "formats/mesh.h"
+
 #include "tools/rt-import/assimp_glm.h"
 
 #include <assimp/light.h>
@@ -33,7 +35,7 @@ Light readPointLight(const aiLight& light, const aiNode* root, const glm::vec3& 
     const glm::dvec3 toCentre = glm::dvec3(sceneCentre) - position;
     // Our lights give intensity / (pi d^2); this makes it the colour itself at the centre.
     const double scale = fallsOff(light) ? 1.0 : glm::pi<double>() * glm::dot(toCentre, toCentre);
-    return {glm::vec4(position, 0.0f), glm::vec4(glm::max(color * scale, 0.0), 0.0f)};
+    return pointLight(glm::vec3(position), glm::vec3(glm::max(color * scale, 0.0)));
 }
 
 } // namespace
@@ -49,8 +51,7 @@ std::vector<Light> readPointLights(const aiScene& scene, const glm::vec3& sceneC
             continue;
         }
         const Light light = readPointLight(source, scene.mRootNode, sceneCentre);
-        const bool finite =
-            isFinite(glm::dvec3(light.positionWorld)) && isFinite(glm::dvec3(light.intensity));
+        const bool finite = isFinite(glm::dvec3(light.position)) && isFinite(glm::dvec3(light.intensity));
         if (finite) lights.push_back(light);
         broken += !finite;
         constant += finite && !fallsOff(source);

@@ -1,5 +1,7 @@
 #include "tools/rt-import/read_materials.h"
 
+#include "formats/mesh.h"
+
 #include <assimp/GltfMaterial.h>
 #include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
@@ -97,7 +99,8 @@ vec4 clampOptics(const Optics& optics) {
     const float transmission = clampNumber(optics.transmission, 0.0f, 1.0f);
     // Opacity is stated outright, mirrors are often guesses of an exporter: what is let through comes first.
     const float reflectivity = clampNumber(optics.reflectivity, 0.0f, 1.0f - transmission);
-    return {reflectivity, transmission, clampNumber(optics.ior, 1.0f, kMaxIor), 0.0f};
+    const float rest = reflectivity < 1.0f ? transmission / (1.0f - reflectivity) : 0.0f;
+    return {reflectivity, rest, clampNumber(optics.ior, 1.0f, kMaxIor), 0.0f};
 }
 
 std::uint32_t wrapOf(const aiMaterial& source, Key key) {
@@ -159,13 +162,15 @@ vec4 readBaseColor(const aiMaterial& source, const std::string& name, bool textu
 
 MaterialSource readMaterial(const aiMaterial& source, std::vector<std::string>& warnings) {
     std::vector<std::string> lost;
-    MaterialSource result;
+    MaterialSource result{{}, diffuseMaterial(vec3(1.0f)), {}};
     result.name = get<aiString>(source, {AI_MATKEY_NAME}).value_or(aiString()).C_Str();
     result.texture = readTexture(source, lost);
     result.material.baseColor = readBaseColor(source, result.name, result.texture.has_value());
     result.material.emission = readEmission(source, lost);
-    result.material.optics = clampOptics(readOptics(source, lost));
-    result.material.images = uvec4(kNoImage);
+    const vec4 optics = clampOptics(readOptics(source, lost));
+    result.material.reflection.w = optics.x;
+    result.material.transmission.x = optics.y;
+    result.material.transmission.y = optics.z;
     for (const std::string& what : lost)
         warnings.push_back(fmt::format("material '{}': its {} is not carried over", result.name, what));
     return result;

@@ -1,5 +1,7 @@
 #include "tools/rt-trace/lights.h"
 
+#include "formats/mesh.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -55,20 +57,20 @@ std::vector<WorldLight> worldLights(const std::vector<LightRequest>& requested, 
     }
     if (lights.empty())
         for (const Light& light : atlas.lights)
-            lights.push_back({glm::dvec3(light.positionWorld), glm::dvec3(light.intensity)});
+            lights.push_back({glm::dvec3(light.position), glm::dvec3(light.intensity)});
     return lights.empty() ? defaultLights(scene, pose) : lights;
 }
 
 } // namespace
 
-std::vector<AtlasLight> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
-                                     const BoundsD& scene, const CameraPose& pose) {
+std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
+                                const BoundsD& scene, const CameraPose& pose) {
     const glm::dvec3 offset(atlas.grid.worldOffset);
     const double scale = atlas.grid.worldOffset.w;
-    std::vector<AtlasLight> lights;
+    std::vector<Light> lights;
     for (const WorldLight& light : worldLights(requested, atlas, scene, pose))
-        lights.push_back({glm::vec4(glm::vec3((light.position - offset) * scale), 0.0f),
-                          glm::vec4(glm::vec3(light.intensity * (scale * scale)), 0.0f)});
+        lights.push_back(pointLight(glm::vec3((light.position - offset) * scale),
+                                    glm::vec3(light.intensity * (scale * scale))));
     return lights;
 }
 

@@ -19,7 +19,7 @@ struct LightRequest {
 /// The lights of a picture in atlas space, their intensities scaled so that intensity / distance^2 is the
 /// same in both spaces: those of the command line, else those of the atlas, else a key and a fill light by
 /// the camera.
-std::vector<AtlasLight> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
-                                     const BoundsD& scene, const CameraPose& pose);
+std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
+                                const BoundsD& scene, const CameraPose& pose);
 
 } // namespace rt

@@ -44,39 +44,54 @@ WorkTotals sumWork(std::span<const glm::uvec4> counters) {
     return totals;
 }
 
-GpuView::GpuView(const CameraParams& camera, const std::vector<AtlasLight>& lights)
-    : camera_(camera), cameraBuffer_(createDynamicBuffer(sizeof(CameraParams))),
+RenderParams wholePicture(glm::uvec2 size) {
+    RenderParams params{};
+    params.filterSize.x = 0.5f;
+    params.size = {size, 0, 0};
+    params.region = {0, 0, size};
+    params.samples = {0, 1, 0, kFilterBox};
+    return params;
+}
+
+GpuView::GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights)
+    : params_(params), cameraBuffer_(createBuffer(std::as_bytes(std::span(&camera, 1)))),
+      paramsBuffer_(createDynamicBuffer(sizeof(RenderParams))),
       lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))) {}
 
 void GpuView::bind() const {
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_CAMERA, cameraBuffer_.name());
+    glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_RENDER, paramsBuffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_LIGHTS, lightBuffer_.name());
     checkGl("binding the camera");
 }
 
-void GpuView::setFirstRow(unsigned row) const {
-    CameraParams camera = camera_;
-    camera.size.z = row;
-    updateBuffer(cameraBuffer_, std::as_bytes(std::span(&camera, 1)));
+void GpuView::setWork(const glm::uvec4& region, unsigned first, unsigned count) const {
+    RenderParams params = params_;
+    params.region = region;
+    params.samples.x = first;
+    params.samples.y = count;
+    updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
 }
 
 void finishCompiling(const GlProgram& program, const GpuView& view) {
     glUseProgram(program.name());
-    view.setFirstRow(view.camera().size.y); // below the picture: nothing is drawn
+    view.setWork(glm::uvec4(0), 0, 0); // nothing is drawn
     glDispatchCompute(1, 1, 1);
     glFinish();
     checkGl("starting the renderer");
 }
 
 double renderRows(const GlProgram& program, const GpuView& view, const GlContext& context) {
-    const glm::uvec4 size = view.camera().size;
+    const RenderParams& params = view.params();
+    const glm::uvec4 size = params.size;
     const unsigned band = rowsPerDispatch(size, context);
     glUseProgram(program.name());
     GpuTimer timer(context.device().software);
     timer.begin();
     for (unsigned row = 0; row < size.y; row += band) {
-        view.setFirstRow(row);
-        glDispatchCompute(tiles(size.x), tiles(std::min(band, size.y - row)), 1);
+        const unsigned end = std::min(row + band, size.y);
+        view.setWork({0, row, size.x, end}, params.samples.x, params.samples.y);
+        glDispatchCompute(tiles(size.x), tiles(end - row), 1);
     }
     timer.end();
     const double elapsedMs = timer.elapsedMs();

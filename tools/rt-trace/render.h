@@ -19,25 +19,29 @@ struct WorkTotals {
 };
 WorkTotals sumWork(std::span<const glm::uvec4> counters);
 
-/// Camera and lights in the device's memory.
+/// One sample in the middle of each pixel of a picture; black behind the scene, no ambient light.
+RenderParams wholePicture(glm::uvec2 size);
+
+/// Camera, parameters and lights in the device's memory.
 class GpuView {
 public:
     /// `lights` are in atlas space, see chooseLights().
-    GpuView(const CameraParams& camera, const std::vector<AtlasLight>& lights);
+    GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights);
     void bind() const;
-    const CameraParams& camera() const { return camera_; }
-    /// Makes the next dispatch start at this row of the picture.
-    void setFirstRow(unsigned row) const;
+    const RenderParams& params() const { return params_; }
+    /// Makes the next dispatch render this region, [xy, zw), and `count` samples from `first` on.
+    void setWork(const glm::uvec4& region, unsigned first, unsigned count) const;
 
 private:
-    CameraParams camera_;
-    GlBuffer cameraBuffer_, lightBuffer_;
+    RenderParams params_;
+    GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_;
 };
 
 /// Makes the driver finish compiling for what is bound: some do so at the first dispatch only.
 void finishCompiling(const GlProgram& program, const GpuView& view);
 
-/// Renders every row of view.camera().size into what is bound; returns milliseconds on the device.
+/// Renders the samples of view.params() of every pixel into what is bound; returns milliseconds on the
+/// device.
 double renderRows(const GlProgram& program, const GpuView& view, const GlContext& context);
 
 } // namespace rt

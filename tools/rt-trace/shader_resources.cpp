@@ -170,8 +170,9 @@ std::string queryText(const SceneFeatures& features) {
 
 std::string renderText(const SceneFeatures& features) {
     std::string text = uniformText(RT_BINDING_CAMERA, "CameraParams", "CameraBlock", "camera") +
+                       uniformText(RT_BINDING_RENDER, "RenderParams", "RenderBlock", "picture") +
                        bufferText(RT_BUFFER_MATERIALS, "readonly", "Material", "materials") +
-                       bufferText(RT_BUFFER_LIGHTS, "readonly", "AtlasLight", "lights") +
+                       bufferText(RT_BUFFER_LIGHTS, "readonly", "Light", "lights") +
                        imageText(RT_IMAGE_COLOR, "rgba32f", "image2D", "colorImage") +
                        imageText(RT_IMAGE_SURFACE, "rgba32f", "image2D", "surfaceImage") +
                        imageText(RT_IMAGE_ID, "r32ui", "uimage2D", "idImage");

@@ -21,12 +21,10 @@ BoundsD sceneBounds(const AtlasInfo& info) {
             {info.worldHi[0], info.worldHi[1], info.worldHi[2]}};
 }
 
-CameraParams cameraParams(const TraceOptions& options, const CameraPose& pose, double aspect,
-                          const GridParams& grid) {
-    CameraParams params = cameraInAtlas(pose, aspect, grid);
+RenderParams renderParams(const TraceOptions& options) {
+    RenderParams params = wholePicture(options.size);
     params.background = glm::vec4(options.background, 0.0f);
     params.ambient = glm::vec4(options.ambient, 0.0f);
-    params.size = {options.size, 0, 0};
     return params;
 }
 
@@ -45,14 +43,15 @@ WorkTotals countRenderWork(const TraceOptions& options, ResourcePlan plan, const
 struct Scenery {
     CameraPose pose;
     CameraParams camera;
-    std::vector<AtlasLight> lights;
+    RenderParams params;
+    std::vector<Light> lights;
 };
 
 Scenery chooseScenery(const TraceOptions& options, const Atlas& atlas) {
     const BoundsD bounds = sceneBounds(atlas.info);
     const double aspect = double(options.size.x) / options.size.y;
     const CameraPose pose = placeCamera(options.camera, bounds, aspect);
-    return {pose, cameraParams(options, pose, aspect, atlas.grid),
+    return {pose, cameraInAtlas(pose, aspect, atlas.grid), renderParams(options),
             chooseLights(options.lights, atlas, bounds, pose)};
 }
 
@@ -66,7 +65,7 @@ Rendered render(const TraceOptions& options, const GpuScene& scene, const Scener
                 StageTimer& stages) {
     const GlContext& context = *scene.context;
     const Film film(options.size, false, context.limits());
-    const GpuView view(scenery.camera, scenery.lights);
+    const GpuView view(scenery.camera, scenery.params, scenery.lights);
     scene.atlas.bind();
     view.bind();
     film.bind();
@@ -139,7 +138,7 @@ void traceScene(const TraceOptions& options) {
     Scenery scenery;
     const auto choose = [&](const Atlas& atlas, const GlLimits&) -> SceneNeeds {
         scenery = chooseScenery(options, atlas);
-        return {renderFeatures(atlas, options.maxDepth, scenery.lights.size()),
+        return {renderFeatures(atlas, {.maxDepth = options.maxDepth, .lights = scenery.lights}),
                 static_cast<unsigned>(scenery.lights.size())};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
