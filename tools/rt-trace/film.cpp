@@ -10,7 +10,7 @@ namespace rt {
 namespace {
 
 void bindImage(GLuint unit, const GlTexture& texture, GLenum format) {
-    glBindImageTexture(unit, texture.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, format);
+    glBindImageTexture(unit, texture.name(), 0, GL_FALSE, 0, GL_READ_WRITE, format);
 }
 
 template <class T>

@@ -88,6 +88,8 @@ void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
 /// are for pictures.
 GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height);
 GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth);
+/// The texels of `texture`, which has so many layers, read in another format of the same size.
+GlTexture createView(const GlTexture& texture, GlEnum target, GlEnum format, unsigned layers);
 /// Reads a whole 2D texture, row by row from y = 0.
 void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
                 std::span<std::byte> texels);
