@@ -157,9 +157,7 @@ Hit intersectShape(Ray ray, RayShear shear, uint id, Hit best) {
 #endif
 }
 
-#if RT_HAS_CUTOUTS
-bool isCutOut(Hit hit); // texture.glsl
-#else
+#ifndef RT_KNOWS_CUTOUTS // texture.glsl, where surfaces are shaded
 bool isCutOut(Hit hit) {
     return false;
 }

@@ -50,8 +50,8 @@ void recordPrimary(inout Sample result, Ray ray, Hit hit, Surface s) {
     result.texcoord = texcoordAt(loadTriangleVertices(hit.triangle), vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
 }
 
-// Traces one ray, adds the light that it finds, and puts the rays that follow on the stack.
-void follow(Pending current, Sampler random, inout Pending stack[kStackSize], inout uint count, inout Sample result, inout WorkCounters work) {
+// Traces one ray, adds the light that it finds, and makes the rays that follow wait.
+void follow(Pending current, Sampler random, inout Sample result, inout WorkCounters work) {
     Ray ray = Ray(current.origin, current.direction, 0.0f, kUnlimited);
     Hit hit = trace(ray, false, work);
     bool missed = hit.triangle == kNoTriangle;
@@ -75,21 +75,20 @@ void follow(Pending current, Sampler random, inout Pending stack[kStackSize], in
     current.weight *= passedBy(current.media, float(hit.t));
     Scatter c = scatterAt(s, current.direction, current.media);
     result.color.rgb += current.weight * s.opacity * localLight(s, c, current.media, random, current.depth, work);
-    if (!s.unlit) pushChildren(current, s, c, random, stack, count);
+    if (!s.unlit) pushChildren(current, s, c, random);
 }
 
 Sample renderSample(uvec2 pixel, uint index, inout WorkCounters work) {
     Sampler random = samplerOf(pixel, index);
     Sample result = Sample(vec4(0.0f), vec4(0.0f), kNoTriangle, vec3(0.0f), vec3(0.0f), vec2(0.0f));
     Ray primary = pixelRay(pixel, random);
-    Pending stack[kStackSize];
-    stack[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0u, kNoTriangle, kNoMedia);
-    uint count = 1u;
-    while (count > 0u) {
-        Pending current = stack[--count];
-        follow(current, random, stack, count, result, work);
+    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0u, kNoTriangle, kNoMedia);
+    pendingCount = 1u;
+    while (pendingCount > 0u) {
+        Pending current = pending[--pendingCount];
+        follow(current, random, result, work);
     }
-    if (kSoftware && (walkCutShort || count > 0u)) result.id = kWalkCutShort;
+    if (kSoftware && (walkCutShort || pendingCount > 0u)) result.id = kWalkCutShort;
     return result;
 }
 

@@ -213,18 +213,22 @@ real3 mirrored(real3 direction, Surface s, real3 normal) {
     return dot(r, s.geometricNormal) > 0.0f ? r : reflect(direction, s.geometricNormal);
 }
 
-void push(inout Pending stack[kStackSize], inout uint count, Pending from, Surface s, real3 direction, vec3 weight, float density, uvec2 media) {
-    stack[count++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, from.depth + 1u, s.triangle, media);
+// Rays of the sample that is being rendered. Not an argument: compilers would copy them in and out.
+Pending pending[kStackSize];
+uint pendingCount;
+
+void push(Pending from, Surface s, real3 direction, vec3 weight, float density, uvec2 media) {
+    pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, from.depth + 1u, s.triangle, media);
 }
 
 // `from` is the ray as it came to the surface: its weight and its width are those there.
-void pushChildren(Pending from, Surface s, Scatter c, Sampler random, inout Pending stack[kStackSize], inout uint count) {
+void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
     if (from.depth >= kMaxDepth || kMostChildren == 0u) return;
     vec2 chance = kMultisample ? pairOf(random, kPairRoulette, from.depth) : vec2(0.0f);
     vec3 rest = from.weight * s.opacity;
     if (kHasOpacity && s.opacity < 1.0f) {
         vec3 weight = from.weight - rest;
-        if (isTraced(weight, chance.x)) push(stack, count, from, s, from.direction, weight, from.density, from.media);
+        if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.media);
     }
     real3 normal = s.normal;
     float kept = 1.0f; // of what facets reflect or let through, the part that others do not hide
@@ -250,14 +254,14 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random, inout Pend
             weight *= s.baseColor;
             // The normal may bend a grazing ray back to its own side; it then goes straight on.
             real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
-            if (isTraced(weight, chance.y)) push(stack, count, from, s, through, weight, 0.0f, mediaBehind(s, from.media));
+            if (isTraced(weight, chance.y)) push(from, s, through, weight, 0.0f, mediaBehind(s, from.media));
         }
     }
     if (!kHasReflection && !kHasTransmission) return;
     if (!c.rough) {
         mirrorWeight += facetWeight;
     } else if (isTraced(facetWeight, chance.x)) {
-        push(stack, count, from, s, mirrored(from.direction, s, normal), facetWeight, density, from.media);
+        push(from, s, mirrored(from.direction, s, normal), facetWeight, density, from.media);
     }
-    if (isTraced(mirrorWeight, chance.x)) push(stack, count, from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, from.media);
+    if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, from.media);
 }

@@ -61,13 +61,13 @@ vec4 imageOr(uint image, vec2 texcoord, float footprint, vec4 otherwise) {
     return kHasTextures && image != kNoImage ? sampleImage(image, texcoord, footprint) : otherwise;
 }
 
-#if RT_HAS_CUTOUTS
+#define RT_KNOWS_CUTOUTS
 // Whether a triangle is not there where it was hit.
 bool isCutOut(Hit hit) {
+    if (!kHasCutouts) return false;
     uvec4 vertices = loadTriangleVertices(hit.triangle);
     Material material = materials[vertices.w];
     if (material.transmission.w == 0.0f || (material.more.y & kMaterialClear) == 0u) return false;
     vec2 texcoord = texcoordAt(vertices, vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
     return material.baseColor.a * imageOr(material.images.x, texcoord, 0.0f, vec4(1.0f)).a < material.transmission.w;
 }
-#endif

@@ -182,9 +182,9 @@ std::string renderText(const SceneFeatures& features) {
                 fmt::format("layout(binding = {}) uniform sampler2DArray linearPages;\n",
                             RT_TEXTURE_LINEAR_PAGES);
     if (features.hasEnvironment)
-        text += bufferText(RT_BUFFER_ENVIRONMENT, "readonly", "float", "environmentTable") +
-                fmt::format("layout(binding = {}) uniform sampler2D environmentMap;\n",
-                            RT_TEXTURE_ENVIRONMENT);
+        text +=
+            bufferText(RT_BUFFER_ENVIRONMENT, "readonly", "float", "environmentTable") +
+            fmt::format("layout(binding = {}) uniform sampler2D environmentMap;\n", RT_TEXTURE_ENVIRONMENT);
     if (features.countWork)
         text += imageText(RT_IMAGE_COUNTERS, "rgba32ui", "writeonly", "uimage2D", "counterImage");
     if (features.hasMoments) text += imageText(RT_IMAGE_MOMENTS, "rg32f", "", "image2D", "momentImage");
