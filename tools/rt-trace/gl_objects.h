@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec4.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -88,9 +89,12 @@ void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
 /// are for pictures.
 GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height);
 GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth);
-/// Reads a whole 2D texture, row by row from y = 0.
-void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
+/// Reads `region`, [xy, zw), of a 2D texture, row by row from its y.
+void readTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
                 std::span<std::byte> texels);
+/// Writes what readTexels() gave.
+void writeTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
+                 std::span<const std::byte> texels);
 
 /// A compute shader that the driver may go on compiling, on threads of its own, while other commands follow.
 class CompilingProgram {
