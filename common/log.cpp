@@ -27,6 +27,9 @@ void print(std::string_view prefix, std::string_view message) {
 void setLogLevel(LogLevel level) {
     state().level = level;
 }
+LogLevel logLevel() {
+    return state().level;
+}
 void setToolName(std::string_view name) {
     state().tool = name;
 }

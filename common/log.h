@@ -8,6 +8,7 @@ enum class LogLevel { Quiet, Normal, Verbose };
 /// Everything the log prints goes to standard error, prefixed by the tool's name; results go to standard
 /// output and are not the log's business.
 void setLogLevel(LogLevel level);
+LogLevel logLevel();
 void setToolName(std::string_view name);
 
 /// "rt-grid: message"; hidden by -q.

@@ -17,10 +17,20 @@ struct ImageChannel {
     std::vector<std::uint32_t> uints; ///< Uint channels
 };
 
+/// Where an image lies in a larger picture, of which it holds a part.
+struct ImageFrame {
+    std::int32_t x = 0; ///< of the image's first pixel, counted from the whole picture's
+    std::int32_t y = 0;
+    std::uint32_t width = 0; ///< of the whole picture
+    std::uint32_t height = 0;
+    bool operator==(const ImageFrame&) const = default;
+};
+
 struct Image {
     std::uint32_t width = 0;
     std::uint32_t height = 0;
-    std::vector<ImageChannel> channels; ///< sorted by name, names unique
+    std::optional<ImageFrame> frame = {}; ///< absent: the image is the whole picture
+    std::vector<ImageChannel> channels;   ///< sorted by name, names unique
     /// Attributes of the EXR header that are not structural: text, numbers and 4x4 matrices (16 floats,
     /// row-major as EXR stores them).
     std::map<std::string, std::string> texts;
@@ -37,9 +47,10 @@ enum class ImageFileType { Exr, Png };
 /// What the path's extension stands for, in upper or lower case; nothing for any other extension.
 std::optional<ImageFileType> imageFileType(const std::string& path);
 
-/// The bytes of a single-part scanline EXR with ZIP compression, or of a PNG of R, G, B (A) clamped to [0,1]
-/// and sRGB-encoded, by the path's extension. Same image, same bytes. Throws Error{Usage} for another
-/// extension or a PNG without those channels, Error{LimitExceeded} for a PNG that is too large.
+/// The bytes of a single-part scanline EXR with ZIP compression, or of a PNG, which does not know of frames,
+/// of R, G, B (A) clamped to [0,1] and sRGB-encoded, by the path's extension. Same image, same bytes. Throws
+/// Error{Usage} for another extension or a PNG without those channels, Error{LimitExceeded} for a PNG that is
+/// too large.
 std::vector<std::byte> encodeImage(const std::string& path, const Image& image);
 
 /// Writes what encodeImage() gives. Throws as it does, and Error{FileAccess}.

@@ -39,6 +39,12 @@ private:
 
 Imf::Header headerOf(const Image& image) {
     Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
+    if (image.frame) {
+        const Imath::V2i first(image.frame->x, image.frame->y);
+        const Imath::V2i whole(static_cast<int>(image.frame->width), static_cast<int>(image.frame->height));
+        header.dataWindow() = {first, first + header.dataWindow().max};
+        header.displayWindow() = {Imath::V2i(0), whole - Imath::V2i(1)};
+    }
     header.compression() = Imf::ZIP_COMPRESSION;
     Imf::addChromaticities(header, Imf::Chromaticities()); // the default is Rec. 709
     for (const auto& [key, value] : image.texts) header.insert(key, Imf::StringAttribute(value));

@@ -7,7 +7,9 @@
 #include <glm/trigonometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 
 namespace rt {
 namespace {
@@ -32,22 +34,77 @@ glm::dvec3 defaultUp(const glm::dvec3& view) {
     return glm::length(glm::cross(view, y)) < kLeastSine * glm::length(view) ? glm::dvec3(0.0, 0.0, 1.0) : y;
 }
 
-// Distance from the look-at point at which each corner of the box falls inside the picture.
+glm::dvec3 cornerOf(const BoundsD& box, int corner) {
+    return {corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+            corner & 4 ? box.hi.z : box.lo.z};
+}
+
+// Distance from the look-at point at which each corner of the box falls inside the picture, or, orthographic,
+// lies before the eye.
 double fittingDistance(const CameraPose& pose, const BoundsD& scene, double aspect) {
     const CameraBasis basis = basisOf(pose, aspect);
     double distance = 0.0;
     double nearest = 0.0;
     for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 point(corner & 1 ? scene.hi.x : scene.lo.x, corner & 2 ? scene.hi.y : scene.lo.y,
-                               corner & 4 ? scene.hi.z : scene.lo.z);
-        const glm::dvec3 offset = point - pose.lookAt;
+        const glm::dvec3 offset = cornerOf(scene, corner) - pose.lookAt;
         const double depth = glm::dot(offset, basis.forward);
         const double x = std::abs(glm::dot(offset, basis.right)) / basis.halfWidth;
         const double y = std::abs(glm::dot(offset, basis.up)) / basis.halfHeight;
-        distance = std::max(distance, kMargin * std::max(x, y) - depth);
+        if (pose.view == kPerspectiveView) distance = std::max(distance, kMargin * std::max(x, y) - depth);
         nearest = std::max(nearest, -depth);
     }
     return std::max(distance, nearest + 0.05 * sceneRadius(scene));
+}
+
+// Height at which an orthographic picture holds the box.
+double fittingHeight(const CameraPose& pose, const BoundsD& scene, double aspect) {
+    const CameraBasis basis = basisOf(pose, aspect);
+    double half = 0.0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 offset = cornerOf(scene, corner) - pose.lookAt;
+        half = std::max(
+            {half, std::abs(glm::dot(offset, basis.right)) / aspect, std::abs(glm::dot(offset, basis.up))});
+    }
+    return 2.0 * kMargin * (half > 0.0 ? half : sceneRadius(scene));
+}
+
+void requirePositive(const std::optional<double>& value, bool mayBeZero, const char* option) {
+    if (value && !(*value > 0.0 || (mayBeZero && *value == 0.0)))
+        throw Error(ErrorKind::Usage, fmt::format("{}: {} is not positive", option, *value));
+}
+
+void checkNumbers(const CameraRequest& request) {
+    const double fov = request.fovDegrees.value_or(kDefaultFovDegrees);
+    if (!(fov > 0.0 && fov < 180.0))
+        throw Error(ErrorKind::Usage, fmt::format("--fov: {} is not between 0 and 180 degrees", fov));
+    requirePositive(request.height, false, "--height");
+    requirePositive(request.lensRadius, true, "--lens-radius");
+    requirePositive(request.focusDistance, false, "--focus");
+    if (request.lensRadius.value_or(0.0) > 0.0 && request.view.value_or(kPerspectiveView) != kPerspectiveView)
+        throw Error(ErrorKind::Usage, "--lens-radius: only perspective pictures have a lens");
+}
+
+// All but the place of the eye, and what depends on it.
+CameraPose poseOf(const CameraRequest& request, const BoundsD& scene) {
+    CameraPose pose;
+    pose.fovDegrees = request.fovDegrees.value_or(kDefaultFovDegrees);
+    pose.view = request.view.value_or(kPerspectiveView);
+    pose.lensRadius = request.lensRadius.value_or(0.0);
+    const bool panorama = pose.view == kPanoramaView;
+    pose.lookAt = scene.centre();
+    if (panorama) pose.lookAt = request.eye.value_or(pose.lookAt) - glm::dvec3(0.0, 0.0, 1.0);
+    if (request.lookAt) pose.lookAt = *request.lookAt;
+    return pose;
+}
+
+std::optional<glm::dvec3> requestedEye(const CameraRequest& request, const BoundsD& scene) {
+    const bool panorama = request.view == kPanoramaView;
+    if (!request.eye && panorama) return scene.centre();
+    return request.eye;
+}
+
+glm::dvec3 toPoint(const double (&v)[3]) {
+    return {v[0], v[1], v[2]};
 }
 
 } // namespace
@@ -57,26 +114,60 @@ double sceneRadius(const BoundsD& scene) {
     return radius > 0.0 ? radius : std::max(1e-3 * glm::length(scene.centre()), 1e-3);
 }
 
+std::string nameOf(const NamedCamera& camera) {
+    return {camera.name, strnlen(camera.name, sizeof camera.name)};
+}
+
+std::string viewName(unsigned view) {
+    constexpr std::array<const char*, 3> kNames = {"perspective", "orthographic", "panorama"};
+    return view < kNames.size() ? kNames[view] : "unknown";
+}
+
+CameraRequest withNamedCamera(const CameraRequest& request, std::span<const NamedCamera> cameras) {
+    if (request.name.empty()) return request;
+    const auto named = std::find_if(cameras.begin(), cameras.end(), [&](const NamedCamera& camera) {
+        return nameOf(camera) == request.name;
+    });
+    if (named == cameras.end()) {
+        std::string names;
+        for (const NamedCamera& camera : cameras) names += (names.empty() ? "" : ", ") + nameOf(camera);
+        throw Error(ErrorKind::Usage, fmt::format("--camera: the scene has no '{}'; {}", request.name,
+                                                  names.empty() ? "it has no cameras" : "it has " + names));
+    }
+    CameraRequest filled = request;
+    if (!filled.eye) filled.eye = toPoint(named->eye);
+    if (!filled.lookAt) filled.lookAt = toPoint(named->lookAt);
+    if (!filled.up) filled.up = toPoint(named->up);
+    if (!filled.view) filled.view = named->kind;
+    const bool perspective = filled.view == kPerspectiveView;
+    if (named->kind == kCameraPerspective) {
+        if (!filled.fovDegrees) filled.fovDegrees = named->fovDegrees;
+        if (perspective && !filled.lensRadius) filled.lensRadius = named->lensRadius;
+        if (perspective && !filled.focusDistance && named->lensRadius > 0.0)
+            filled.focusDistance = named->focusDistance;
+    } else if (!filled.height) {
+        filled.height = named->height;
+    }
+    return filled;
+}
+
 CameraPose placeCamera(const CameraRequest& request, const BoundsD& scene, double aspect) {
-    if (!(request.fovDegrees > 0.0 && request.fovDegrees < 180.0))
-        throw Error(ErrorKind::Usage,
-                    fmt::format("--fov: {} is not between 0 and 180 degrees", request.fovDegrees));
-    CameraPose pose;
-    pose.fovDegrees = request.fovDegrees;
-    pose.lookAt = request.lookAt.value_or(scene.centre());
-    const glm::dvec3 towardsEye = request.eye ? *request.eye - pose.lookAt : defaultDirection(scene);
+    checkNumbers(request);
+    CameraPose pose = poseOf(request, scene);
+    const std::optional<glm::dvec3> eye = requestedEye(request, scene);
+    const glm::dvec3 towardsEye = eye ? *eye - pose.lookAt : defaultDirection(scene);
     if (!(glm::length(towardsEye) > 0.0))
         throw Error(ErrorKind::Usage, "--eye and --look-at are the same point");
     pose.up = request.up.value_or(defaultUp(towardsEye));
     const double sine = glm::length(glm::cross(glm::normalize(towardsEye), glm::normalize(pose.up)));
     if (!(sine >= kLeastSine)) throw Error(ErrorKind::Usage, "--up is 0 or parallel to the view");
-    if (request.eye) {
-        pose.eye = *request.eye;
-    } else {
-        // Any distance will do to measure by, but one that rounding does not swallow.
-        pose.eye = pose.lookAt + towardsEye * std::max(sceneRadius(scene), glm::length(pose.lookAt));
-        pose.eye = pose.lookAt + towardsEye * fittingDistance(pose, scene, aspect);
-    }
+    // Any distance will do to measure by, but one that rounding does not swallow.
+    pose.eye =
+        eye.value_or(pose.lookAt + towardsEye * std::max(sceneRadius(scene), glm::length(pose.lookAt)));
+    if (pose.view == kOrthographicView)
+        pose.height = request.height ? *request.height : fittingHeight(pose, scene, aspect);
+    if (!eye) pose.eye = pose.lookAt + towardsEye * fittingDistance(pose, scene, aspect);
+    pose.focusDistance = request.focusDistance.value_or(glm::distance(pose.eye, pose.lookAt));
     return pose;
 }
 
@@ -85,19 +176,22 @@ CameraBasis basisOf(const CameraPose& pose, double aspect) {
     basis.forward = glm::normalize(pose.lookAt - pose.eye);
     basis.right = glm::normalize(glm::cross(basis.forward, pose.up));
     basis.up = glm::cross(basis.right, basis.forward);
-    basis.halfHeight = std::tan(glm::radians(pose.fovDegrees) * 0.5);
+    basis.halfHeight =
+        pose.view == kOrthographicView ? 0.5 * pose.height : std::tan(glm::radians(pose.fovDegrees) * 0.5);
     basis.halfWidth = basis.halfHeight * aspect;
     return basis;
 }
 
 CameraParams cameraInAtlas(const CameraPose& pose, double aspect, const GridParams& grid) {
     const CameraBasis basis = basisOf(pose, aspect);
-    const glm::dvec3 eye = (pose.eye - glm::dvec3(grid.worldOffset)) * double(grid.worldOffset.w);
+    const double scale = grid.worldOffset.w;
+    const double axes = pose.view == kOrthographicView ? scale : 1.0; // there they are lengths
+    const glm::dvec3 eye = (pose.eye - glm::dvec3(grid.worldOffset)) * scale;
     CameraParams params{};
-    params.eye = glm::vec4(glm::vec3(eye), 0.0f);
-    params.right = glm::vec4(glm::vec3(basis.right * basis.halfWidth), 0.0f);
-    params.up = glm::vec4(glm::vec3(basis.up * basis.halfHeight), 0.0f);
-    params.forward = glm::vec4(glm::vec3(basis.forward), 0.0f);
+    params.eye = glm::vec4(glm::vec3(eye), static_cast<float>(pose.lensRadius * scale));
+    params.right = glm::vec4(glm::vec3(basis.right * (basis.halfWidth * axes)), 0.0f);
+    params.up = glm::vec4(glm::vec3(basis.up * (basis.halfHeight * axes)), 0.0f);
+    params.forward = glm::vec4(glm::vec3(basis.forward), static_cast<float>(pose.focusDistance * scale));
     return params;
 }
 

@@ -6,49 +6,137 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rt {
 namespace {
 
-void bindImage(GLuint unit, const GlTexture& texture, GLenum format) {
-    glBindImageTexture(unit, texture.name(), 0, GL_FALSE, 0, GL_READ_WRITE, format);
+struct ImageFormat {
+    GLenum stored, format, type;
+    unsigned words; // of a texel
+};
+
+// By image unit.
+constexpr std::array<ImageFormat, 8> kFormats = {{
+    {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4},                 // RT_IMAGE_COLOR
+    {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4},                 // RT_IMAGE_SURFACE
+    {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 1},     // RT_IMAGE_ID
+    {GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 4}, // RT_IMAGE_COUNTERS
+    {GL_RG32F, GL_RG, GL_FLOAT, 2},                     // RT_IMAGE_MOMENTS
+    {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4},                 // RT_IMAGE_ALBEDO
+    {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4},                 // RT_IMAGE_POSITION
+    {GL_RGBA32F, GL_RGBA, GL_FLOAT, 4},                 // RT_IMAGE_TEXCOORD
+}};
+
+std::size_t pixelsIn(const glm::uvec4& window) {
+    return std::size_t(window.z - window.x) * (window.w - window.y);
 }
 
+// Empty where the film has no such image.
 template <class T>
-std::vector<T> readAll(const GlTexture& texture, glm::uvec2 size, GLenum format, GLenum type) {
-    std::vector<T> texels(std::size_t(size.x) * size.y);
-    readTexels(texture, size.x, size.y, format, type, std::as_writable_bytes(std::span(texels)));
+std::vector<T> readImage(const std::array<GlTexture, 8>& images, unsigned unit, const glm::uvec4& window) {
+    if (!images[unit].name()) return {};
+    std::vector<T> texels(pixelsIn(window));
+    readTexels(images[unit], window, kFormats[unit].format, kFormats[unit].type,
+               std::as_writable_bytes(std::span(texels)));
     return texels;
+}
+
+// Exact where there is one sample.
+void divide(std::vector<glm::vec4>& sums, std::span<const std::uint32_t> samples, const glm::bvec4& which) {
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        for (int c = 0; c < 4; ++c)
+            if (which[c] && samples[i] > 1) sums[i][c] /= static_cast<float>(samples[i]);
+}
+
+float varianceOfMean(const glm::vec2& moments, std::uint32_t samples) {
+    if (samples < 2) return 0.0f;
+    const double n = samples;
+    const double mean = moments.y / n;
+    return static_cast<float>(std::max(moments.x / n - mean * mean, 0.0) / (n - 1.0));
 }
 
 } // namespace
 
-Film::Film(glm::uvec2 size, bool countWork, const GlLimits& limits) : size_(size) {
+Film::Film(glm::uvec2 size, const SceneFeatures& features, const GlLimits& limits) : size_(size) {
     if (size.x > limits.textureSize2D || size.y > limits.textureSize2D)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("--size {}x{}: this device renders at most {}x{}", size.x, size.y,
                                 limits.textureSize2D, limits.textureSize2D));
-    color_ = createTexture2D(GL_RGBA32F, size.x, size.y);
-    surface_ = createTexture2D(GL_RGBA32F, size.x, size.y);
-    id_ = createTexture2D(GL_R32UI, size.x, size.y);
-    if (countWork) counters_ = createTexture2D(GL_RGBA32UI, size.x, size.y);
+    std::vector<unsigned> units = {RT_IMAGE_COLOR, RT_IMAGE_SURFACE, RT_IMAGE_ID};
+    if (features.countWork) units.push_back(RT_IMAGE_COUNTERS);
+    if (features.hasMoments) units.push_back(RT_IMAGE_MOMENTS);
+    if (features.hasAovs) units.insert(units.end(), {RT_IMAGE_ALBEDO, RT_IMAGE_POSITION, RT_IMAGE_TEXCOORD});
+    for (const unsigned unit : units) {
+        const ImageFormat& format = kFormats[unit];
+        images_[unit] = createTexture2D(format.stored, size.x, size.y);
+        glClearTexImage(images_[unit].name(), 0, format.format, format.type, nullptr); // to 0
+    }
+    checkGl("clearing the film");
 }
 
 void Film::bind() const {
-    bindImage(RT_IMAGE_COLOR, color_, GL_RGBA32F);
-    bindImage(RT_IMAGE_SURFACE, surface_, GL_RGBA32F);
-    bindImage(RT_IMAGE_ID, id_, GL_R32UI);
-    if (counters_.name()) bindImage(RT_IMAGE_COUNTERS, counters_, GL_RGBA32UI);
+    for (unsigned unit = 0; unit < kImageCount; ++unit)
+        if (images_[unit].name())
+            glBindImageTexture(unit, images_[unit].name(), 0, GL_FALSE, 0, GL_READ_WRITE,
+                               kFormats[unit].stored);
     checkGl("binding the film");
 }
 
+FilmPixels Film::read(const glm::uvec4& window, std::span<const std::uint32_t> samples) const {
+    FilmPixels pixels{readImage<glm::vec4>(images_, RT_IMAGE_COLOR, window),
+                      readImage<glm::vec4>(images_, RT_IMAGE_SURFACE, window),
+                      readImage<std::uint32_t>(images_, RT_IMAGE_ID, window)};
+    pixels.albedos = readImage<glm::vec4>(images_, RT_IMAGE_ALBEDO, window);
+    pixels.positions = readImage<glm::vec4>(images_, RT_IMAGE_POSITION, window);
+    pixels.texcoords = readImage<glm::vec4>(images_, RT_IMAGE_TEXCOORD, window);
+    divide(pixels.colors, samples, glm::bvec4(true));
+    divide(pixels.albedos, samples, glm::bvec4(true));
+    divide(pixels.texcoords, samples, glm::bvec4(false, false, true, true));
+    const std::vector<glm::vec2> moments = readMoments(window);
+    for (std::size_t i = 0; i < moments.size(); ++i)
+        pixels.variances.push_back(varianceOfMean(moments[i], samples[i]));
+    return pixels;
+}
+
 FilmPixels Film::read() const {
-    return {readAll<glm::vec4>(color_, size_, GL_RGBA, GL_FLOAT),
-            readAll<glm::vec4>(surface_, size_, GL_RGBA, GL_FLOAT),
-            readAll<std::uint32_t>(id_, size_, GL_RED_INTEGER, GL_UNSIGNED_INT)};
+    const glm::uvec4 window(0, 0, size_);
+    return read(window, std::vector<std::uint32_t>(pixelsIn(window), 1));
 }
 
 std::vector<glm::uvec4> Film::readCounters() const {
-    return readAll<glm::uvec4>(counters_, size_, GL_RGBA_INTEGER, GL_UNSIGNED_INT);
+    return readCounters({0, 0, size_});
+}
+
+std::vector<glm::uvec4> Film::readCounters(const glm::uvec4& window) const {
+    return readImage<glm::uvec4>(images_, RT_IMAGE_COUNTERS, window);
+}
+
+std::vector<glm::vec2> Film::readMoments(const glm::uvec4& window) const {
+    return readImage<glm::vec2>(images_, RT_IMAGE_MOMENTS, window);
+}
+
+std::vector<Film::Plane> Film::save(const glm::uvec4& window) const {
+    std::vector<Plane> planes;
+    for (unsigned unit = 0; unit < kImageCount; ++unit) {
+        if (!images_[unit].name() || unit == RT_IMAGE_COUNTERS) continue;
+        Plane& plane = planes.emplace_back(Plane{unit, {}});
+        plane.words.resize(pixelsIn(window) * kFormats[unit].words);
+        readTexels(images_[unit], window, kFormats[unit].format, kFormats[unit].type,
+                   std::as_writable_bytes(std::span(plane.words)));
+    }
+    return planes;
+}
+
+void Film::restore(const glm::uvec4& window, std::span<const Plane> planes) const {
+    for (const Plane& plane : planes) {
+        const unsigned unit = plane.image;
+        if (unit >= kImageCount || !images_[unit].name() ||
+            plane.words.size() != pixelsIn(window) * kFormats[unit].words)
+            throw Error(ErrorKind::InvalidContent, "the planes are those of another picture");
+        writeTexels(images_[unit], window, kFormats[unit].format, kFormats[unit].type,
+                    std::as_bytes(std::span(plane.words)));
+    }
 }
 
 } // namespace rt

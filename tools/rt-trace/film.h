@@ -2,31 +2,57 @@
 #include "tools/rt-trace/gl_limits.h"
 #include "tools/rt-trace/gl_objects.h"
 
+#include <array>
+#include <glm/vec2.hpp>
 #include <glm/vec4.hpp>
+#include <span>
 #include <vector>
 
 namespace rt {
 
-/// What a picture is read back as: one value per pixel, row by row from the top.
+/// What a picture is read back as: one value per pixel, row by row from the top; means over its samples but
+/// where it says otherwise. What the film lacks is empty.
 struct FilmPixels {
-    std::vector<glm::vec4> colors;   ///< linear RGB; A = 1 where something was hit
-    std::vector<glm::vec4> surfaces; ///< normal, and depth in world units
-    std::vector<std::uint32_t> ids;  ///< triangle or kNoTriangle
+    std::vector<glm::vec4> colors;         ///< linear RGB; A = part of the samples that hit something
+    std::vector<glm::vec4> surfaces;       ///< normal, and depth in world units, of the first sample
+    std::vector<std::uint32_t> ids;        ///< triangle or kNoTriangle, of the first sample
+    std::vector<glm::vec4> albedos = {};   ///< rgb
+    std::vector<glm::vec4> positions = {}; ///< xyz world, of the first sample
+    std::vector<glm::vec4> texcoords = {}; ///< U, V of the first sample; steps and tests per sample
+    std::vector<float> variances =
+        {}; ///< of the mean of the luminance, estimated; 0 where there is one sample
 };
 
-/// The images that the render shader writes.
+/// The images that a variant of the render shader writes.
 class Film {
 public:
-    /// Throws Error{LimitExceeded} for a size that the device does not allow.
-    Film(glm::uvec2 size, bool countWork, const GlLimits& limits);
+    /// For the images that `features` name. Throws Error{LimitExceeded} for a size that the device does not
+    /// allow.
+    Film(glm::uvec2 size, const SceneFeatures& features, const GlLimits& limits);
     void bind() const;
+    /// Pixels of `window`, [xy, zw); `samples` has as many values: how many samples each pixel has.
+    FilmPixels read(const glm::uvec4& window, std::span<const std::uint32_t> samples) const;
+    /// All pixels, of one sample each.
     FilmPixels read() const;
     /// Rays, steps and triangle tests of each pixel; only of a film that counts work.
     std::vector<glm::uvec4> readCounters() const;
+    std::vector<glm::uvec4> readCounters(const glm::uvec4& window) const;
+    /// Sums of the luminance squared and of the luminance; only of a film that has moments.
+    std::vector<glm::vec2> readMoments(const glm::uvec4& window) const;
+
+    /// What the images of a film hold in a window, as they are: for checkpoints.
+    struct Plane {
+        unsigned image = 0; ///< RT_IMAGE_...
+        std::vector<std::uint32_t> words;
+    };
+    std::vector<Plane> save(const glm::uvec4& window) const;
+    /// Planes that save() gave for such a film and window. Throws Error{InvalidContent} for others.
+    void restore(const glm::uvec4& window, std::span<const Plane> planes) const;
 
 private:
+    static constexpr std::size_t kImageCount = 8;
     glm::uvec2 size_;
-    GlTexture color_, surface_, id_, counters_;
+    std::array<GlTexture, kImageCount> images_; // by image unit; those that are not there have no name
 };
 
 } // namespace rt

@@ -167,19 +167,32 @@ GlTexture createView(const GlTexture& texture, GlEnum target, GlEnum format, uns
     return view;
 }
 
-void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
+void readTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
                 std::span<std::byte> texels) {
     glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    const std::size_t rowBytes = texels.size() / height;
+    const std::size_t rowBytes = texels.size() / (region.w - region.y);
     const auto most = static_cast<unsigned>(std::max<std::size_t>(kTransferBytes / rowBytes, 1));
-    for (unsigned y = 0; y < height; y += most) {
-        const unsigned rows = std::min(most, height - y);
-        glGetTextureSubImage(texture.name(), 0, 0, static_cast<GLint>(y), 0, toSize(width), toSize(rows), 1,
-                             format, type, static_cast<GLsizei>(rows * rowBytes),
-                             texels.data() + y * rowBytes);
+    for (unsigned y = region.y; y < region.w; y += most) {
+        const unsigned rows = std::min(most, region.w - y);
+        glGetTextureSubImage(texture.name(), 0, toSize(region.x), toSize(y), 0, toSize(region.z - region.x),
+                             toSize(rows), 1, format, type, static_cast<GLsizei>(rows * rowBytes),
+                             texels.data() + (y - region.y) * rowBytes);
     }
     checkGl("reading a texture back");
+}
+
+void writeTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
+                 std::span<const std::byte> texels) {
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    const std::size_t rowBytes = texels.size() / (region.w - region.y);
+    const auto most = static_cast<unsigned>(std::max<std::size_t>(kTransferBytes / rowBytes, 1));
+    for (unsigned y = region.y; y < region.w; y += most)
+        glTextureSubImage2D(texture.name(), 0, toSize(region.x), toSize(y), toSize(region.z - region.x),
+                            toSize(std::min(most, region.w - y)), format, type,
+                            texels.data() + (y - region.y) * rowBytes);
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+    checkGl("writing a texture");
 }
 
 // No status is asked for here: that would wait for the compiler.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec4.hpp>
 #include <memory>
 #include <span>
 #include <string>
@@ -90,9 +91,12 @@ GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height);
 GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth);
 /// The texels of `texture`, which has so many layers, read in another format of the same size.
 GlTexture createView(const GlTexture& texture, GlEnum target, GlEnum format, unsigned layers);
-/// Reads a whole 2D texture, row by row from y = 0.
-void readTexels(const GlTexture& texture, unsigned width, unsigned height, GlEnum format, GlEnum type,
+/// Reads `region`, [xy, zw), of a 2D texture, row by row from its y.
+void readTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
                 std::span<std::byte> texels);
+/// Writes what readTexels() gave.
+void writeTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
+                 std::span<const std::byte> texels);
 
 /// A compute shader that the driver may go on compiling, on threads of its own, while other commands follow.
 class CompilingProgram {

@@ -14,13 +14,27 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kKeyRadiance = 0.9;
 constexpr double kFillRadiance = 0.25;
 
+// A light in world space; its place and intensity stand here before they are rounded.
 struct WorldLight {
     glm::dvec3 position;
     glm::dvec3 intensity;
+    Light light;
 };
 
 WorldLight whiteLight(const glm::dvec3& position, double radiance, double distance) {
-    return {position, glm::dvec3(radiance * kPi * distance * distance)};
+    return {position, glm::dvec3(radiance * kPi * distance * distance), pointLight({}, {})};
+}
+
+// Radiance does not depend on the scale; intensity falls with the square of a distance, which does.
+Light toAtlas(const WorldLight& world, const glm::dvec3& offset, double scale) {
+    Light light = world.light;
+    const auto s = static_cast<float>(scale);
+    light.position = glm::vec4(glm::vec3((world.position - offset) * scale), light.position.w * s);
+    const bool fallsOff = light.kind.x == kLightPoint || light.kind.x == kLightSpot;
+    light.intensity = glm::vec4(glm::vec3(world.intensity * (fallsOff ? scale * scale : 1.0)), 0.0f);
+    light.edgeU = glm::vec4(glm::vec3(light.edgeU) * s, light.edgeU.w);
+    light.edgeV = glm::vec4(glm::vec3(light.edgeV) * s, light.edgeV.w);
+    return light;
 }
 
 bool contains(const BoundsD& box, const glm::dvec3& point) {
@@ -57,7 +71,7 @@ std::vector<WorldLight> worldLights(const std::vector<LightRequest>& requested, 
     }
     if (lights.empty())
         for (const Light& light : atlas.lights)
-            lights.push_back({glm::dvec3(light.position), glm::dvec3(light.intensity)});
+            lights.push_back({glm::dvec3(light.position), glm::dvec3(light.intensity), light});
     return lights.empty() ? defaultLights(scene, pose) : lights;
 }
 
@@ -69,8 +83,7 @@ std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, cons
     const double scale = atlas.grid.worldOffset.w;
     std::vector<Light> lights;
     for (const WorldLight& light : worldLights(requested, atlas, scene, pose))
-        lights.push_back(pointLight(glm::vec3((light.position - offset) * scale),
-                                    glm::vec3(light.intensity * (scale * scale))));
+        lights.push_back(toAtlas(light, offset, scale));
     return lights;
 }
 

@@ -16,9 +16,9 @@ struct LightRequest {
         intensity; ///< absent: enough for a white surface at the scene's centre, see lights.cpp
 };
 
-/// The lights of a picture in atlas space, their intensities scaled so that intensity / distance^2 is the
-/// same in both spaces: those of the command line, else those of the atlas, else a key and a fill light by
-/// the camera.
+/// The lights of a picture in atlas space: those of the command line, else those of the atlas, of whatever
+/// kind, else a key and a fill light by the camera. Lengths are scaled, and intensities of points and spots
+/// so that intensity / distance^2 is the same in both spaces.
 std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
                                 const BoundsD& scene, const CameraPose& pose);
 

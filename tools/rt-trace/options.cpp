@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "formats/image.h"
+#include "tools/rt-trace/picture_options.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -12,7 +13,6 @@
 namespace rt {
 namespace {
 
-constexpr const char* kPictureGroup = "Pictures";
 constexpr const char* kQueryGroup = "Ray queries";
 
 // In the order of their constants.
@@ -20,79 +20,11 @@ constexpr std::array<const char*, 3> kIntersectNames = {"watertight", "moller-tr
 
 // Options whose text is parsed once all of them are known.
 struct OptionTexts {
-    std::string size = "512x512";
-    std::string ambient = "0.1";
-    std::string background = "0.32,0.4,0.5";
+    PictureTexts picture;
     std::string rayOrder = "auto";
     std::string precision = "float";
     std::string intersect = kIntersectNames[0];
-    std::string eye, lookAt, up;
-    std::vector<std::string> lights;
 };
-
-glm::dvec3 parsePoint(const std::string& text, const char* option) {
-    const std::vector<double> v = parseNumbers(text, 3, option);
-    return {v[0], v[1], v[2]};
-}
-
-glm::vec3 toColor(double r, double g, double b, const char* option) {
-    if (std::min({r, g, b}) < 0.0)
-        throw Error(ErrorKind::Usage, fmt::format("{}: colours are not negative", option));
-    return glm::vec3(glm::dvec3(r, g, b));
-}
-
-std::size_t countNumbers(const std::string& text) {
-    return static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
-}
-
-glm::vec3 parseColor(const std::string& text, const char* option) {
-    if (countNumbers(text) == 1) {
-        const double grey = parseNumbers(text, 1, option)[0];
-        return toColor(grey, grey, grey, option);
-    }
-    const std::vector<double> v = parseNumbers(text, 3, option);
-    return toColor(v[0], v[1], v[2], option);
-}
-
-LightRequest parseLight(const std::string& text) {
-    if (countNumbers(text) == 3) return {parsePoint(text, "--light"), std::nullopt};
-    const std::vector<double> v = parseNumbers(text, 6, "--light");
-    return {{v[0], v[1], v[2]}, toColor(v[3], v[4], v[5], "--light")};
-}
-
-void addPictureOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
-    const std::vector<CLI::Option*> added = {
-        app.add_option("--size", texts.size, "Width and height in pixels")
-            ->type_name("WxH")
-            ->capture_default_str(),
-        app.add_option("--eye", texts.eye, "Where the camera stands; else where it sees the whole scene")
-            ->type_name("X,Y,Z"),
-        app.add_option("--look-at", texts.lookAt, "What it looks at; else the scene's centre")
-            ->type_name("X,Y,Z"),
-        app.add_option("--up", texts.up, "Up in the picture; else +y, or +z for a view along y")
-            ->type_name("X,Y,Z"),
-        app.add_option("--fov", options.camera.fovDegrees, "Vertical field of view")
-            ->type_name("DEG")
-            ->capture_default_str(),
-        app.add_option(
-               "--light", texts.lights,
-               "A point light instead of the scene's, repeatable; without R,G,B it gives a white surface "
-               "at the scene's centre a radiance of 0.9")
-            ->type_name("X,Y,Z[,R,G,B]"),
-        app.add_option("--ambient", texts.ambient, "Light from everywhere")
-            ->type_name("G|R,G,B")
-            ->capture_default_str(),
-        app.add_option("--background", texts.background, "Radiance behind the scene")
-            ->type_name("G|R,G,B")
-            ->capture_default_str(),
-        app.add_option("--max-depth", options.maxDepth, "Reflections and refractions in a row")
-            ->check(numberBetween(0, 16))
-            ->type_name("N")
-            ->capture_default_str(),
-        app.add_flag("--reproducible", options.reproducible, "Leave times out of the picture's attributes"),
-    };
-    for (CLI::Option* option : added) option->group(kPictureGroup);
-}
 
 void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
     const std::vector<CLI::Option*> added = {
@@ -118,26 +50,21 @@ void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
 // Options of pictures and of ray queries do not mix.
 void checkGroups(const CLI::App& app, const TraceOptions& options) {
     const bool query = !options.raysPath.empty();
-    for (const CLI::Option* option : app.get_options())
-        if (option->count() > 0 && option->get_group() == (query ? kPictureGroup : kQueryGroup))
+    for (const CLI::Option* option : app.get_options()) {
+        const bool ofPictures = option->get_group().rfind(kPictureGroup, 0) == 0;
+        if (option->count() > 0 && (query ? ofPictures : option->get_group() == kQueryGroup))
             throw Error(ErrorKind::Usage, fmt::format("{} {} --rays", option->get_name(),
                                                       query ? "does not go with" : "needs"));
+    }
 }
 
 void convertTexts(const OptionTexts& texts, TraceOptions& options) {
-    const std::vector<unsigned> size = parseSizes(texts.size, 2, "--size");
-    options.size = {size[0], size[1]};
-    if (!texts.eye.empty()) options.camera.eye = parsePoint(texts.eye, "--eye");
-    if (!texts.lookAt.empty()) options.camera.lookAt = parsePoint(texts.lookAt, "--look-at");
-    if (!texts.up.empty()) options.camera.up = parsePoint(texts.up, "--up");
-    options.ambient = parseColor(texts.ambient, "--ambient");
-    options.background = parseColor(texts.background, "--background");
+    convertPictureTexts(texts.picture, options);
     options.doublePrecision = texts.precision == "double";
     options.intersect = static_cast<unsigned>(
         std::find(kIntersectNames.begin(), kIntersectNames.end(), texts.intersect) - kIntersectNames.begin());
     if (texts.rayOrder == "coherent") options.rayOrder = RayOrder::Coherent;
     if (texts.rayOrder == "scattered") options.rayOrder = RayOrder::Scattered;
-    for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
 }
 
 void checkDevice(const std::string& device) {
@@ -151,8 +78,12 @@ void checkDevice(const std::string& device) {
 
 void checkPaths(const TraceOptions& options) {
     if (options.scenePath.empty()) throw Error(ErrorKind::Usage, "no scene was named; see rt-trace --help");
+    if (options.listCameras || (options.explain && options.outputPaths.empty())) return;
     if (options.outputPaths.empty()) throw Error(ErrorKind::Usage, "no output was named; add -o FILE");
-    requireDistinctPaths({options.scenePath, options.raysPath}, outputsOf(options));
+    const bool goesOn = options.resumePath == options.checkpointPath; // then both are one file
+    requireDistinctPaths({options.scenePath, options.raysPath, options.cameraPath,
+                          goesOn ? std::string() : options.resumePath},
+                         outputsOf(options));
     if (!options.raysPath.empty()) {
         if (options.outputPaths.size() != 1) throw Error(ErrorKind::Usage, "--rays goes with one -o only");
         if (options.scenePath == "-" && options.raysPath == "-")
@@ -167,7 +98,10 @@ void checkPaths(const TraceOptions& options) {
 } // namespace
 
 std::vector<std::string> outputsOf(const TraceOptions& options) {
-    std::vector<std::string> paths = options.outputPaths;
+    std::vector<std::string> paths;
+    for (const std::string& path : options.outputPaths)
+        paths.push_back(options.frames ? framePath(path, options.frames->first).value_or(path) : path);
+    if (!options.checkpointPath.empty()) paths.push_back(options.checkpointPath);
     if (!options.common.jsonPath.empty()) paths.push_back(options.common.jsonPath);
     return paths;
 }
@@ -185,13 +119,17 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
         ->type_name("FILE")
         ->expected(1)
         ->take_all();
-    addPictureOptions(app, options, texts);
+    addPictureOptions(app, options, texts.picture);
     addQueryOptions(app, options, texts);
     app.add_option("--device", options.device,
                    "auto (hardware first), software, or an index of --list-devices")
         ->type_name("auto|software|N")
         ->capture_default_str();
     app.add_flag("--list-devices", options.listDevices, "Print the devices and which of them can be used");
+    app.add_flag("--list-cameras", options.listCameras, "Print the scene's cameras");
+    app.add_flag("--explain", options.explain,
+                 "Print what the shader is compiled for, and why, and which parts of the atlas the device "
+                 "gets; without -o nothing else is done");
     app.add_option("--precision", texts.precision,
                    "Compute with 32 or 64 bits; double is slow, and the reference for errors of float. With "
                    "--rays the "
@@ -211,8 +149,8 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
     if (options.listDevices) return options;
     checkGroups(app, options);
     checkDevice(options.device);
-    checkPaths(options);
     convertTexts(texts, options);
+    checkPaths(options);
     return options;
 }
 

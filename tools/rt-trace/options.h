@@ -1,8 +1,10 @@
 #pragma once
 #include "common/command_line.h"
+#include "tools/rt-trace/aovs.h"
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/ray_order.h"
+#include "tools/rt-trace/tone_map.h"
 
 #include <optional>
 #include <string>
@@ -10,10 +12,19 @@
 
 namespace rt {
 
+/// Pictures of which the first and the last have these numbers.
+struct FrameRange {
+    unsigned first = 0, last = 0;
+};
+
+enum class Heat { None, Steps, Tests };
+
 /// What the command line of rt-trace asks for.
 struct TraceOptions {
     CommonOptions common;
     bool listDevices = false;
+    bool listCameras = false;
+    bool explain = false;
     std::string device = "auto";
     std::string scenePath;
     std::vector<std::string> outputPaths;
@@ -23,12 +34,35 @@ struct TraceOptions {
 
     // Pictures.
     glm::uvec2 size{512, 512};
+    glm::uvec4 window{0, 0, 512, 512}; ///< [xy, zw): all of it, or --crop
     CameraRequest camera;
     std::vector<LightRequest> lights;
     glm::vec3 ambient{0.0f};
+    double occlusion = 0.0; ///< world units; 0: ambient light is not hidden
     glm::vec3 background{0.0f};
+    std::string environment;      ///< a file, G or R,G,B; empty: none
+    double environmentTurn = 0.0; ///< degrees about +y
+    double environmentStrength = 1.0;
     unsigned maxDepth = 4;
     bool reproducible = false;
+
+    // Samples.
+    unsigned samples = 1;
+    std::uint32_t seed = 0;
+    unsigned filter = kFilterBox;
+    double filterRadius = 0.5;     ///< pixels
+    double timeLimitSeconds = 0.0; ///< 0: none
+    double targetError = 0.0;      ///< 0: none
+
+    // What is written.
+    unsigned aovs = kDefaultAovs; ///< kAov...
+    ToneMap toneMap = ToneMap::None;
+    double exposureStops = 0.0;
+    Heat heat = Heat::None;
+    double heatMost = 0.0; ///< 0: that of the picture
+    std::string checkpointPath, resumePath;
+    std::optional<FrameRange> frames;
+    std::string cameraPath;
 
     // Ray queries.
     std::string raysPath; ///< empty: a picture is wanted
@@ -37,7 +71,7 @@ struct TraceOptions {
     unsigned repeat = 0; ///< 0: trace once, without warming the device up
 };
 
-/// Every file that the tool is to write, "-" for standard output.
+/// Every file that the tool is to write, "-" for standard output; of a range of frames those of the first.
 std::vector<std::string> outputsOf(const TraceOptions& options);
 
 /// Returns nothing when --help or --version was asked for and printed. Throws Error{Usage}.

@@ -34,48 +34,97 @@ glm::dmat4 cameraFromWorld(const CameraPose& pose, const CameraBasis& basis) {
 }
 
 // OpenEXR's picture coordinates: (0, 0) at the top left of the display window, (1, 1) at the bottom right.
-glm::dmat4 ndcFromCamera(const CameraBasis& basis) {
+glm::dmat4 ndcFromCamera(const CameraBasis& basis, unsigned view) {
     glm::dmat4 matrix(0.0);
     matrix[0][0] = 0.5 / basis.halfWidth;
     matrix[1][1] = -0.5 / basis.halfHeight;
+    if (view == kOrthographicView) {
+        matrix[2][2] = 1.0;
+        matrix[3] = glm::dvec4(0.5, 0.5, 0.0, 1.0);
+        return matrix;
+    }
     matrix[2] = glm::dvec4(0.5, 0.5, 0.0, 1.0); // w' = depth
     matrix[3][2] = 1.0;                         // z' = 1
     return matrix;
 }
 
-void addAttributes(Image& image, const RenderRecord& record) {
-    const CameraBasis basis = basisOf(record.camera, double(image.width) / image.height);
+void addAttributes(Image& image, glm::uvec2 size, const RenderRecord& record) {
+    const CameraBasis basis = basisOf(record.camera, double(size.x) / size.y);
     const glm::dmat4 worldToCamera = cameraFromWorld(record.camera, basis);
     image.matrices["worldToCamera"] = rowMajorForRowVectors(worldToCamera);
-    image.matrices["worldToNDC"] = rowMajorForRowVectors(ndcFromCamera(basis) * worldToCamera);
+    if (record.camera.view != kPanoramaView)
+        image.matrices["worldToNDC"] =
+            rowMajorForRowVectors(ndcFromCamera(basis, record.camera.view) * worldToCamera);
     image.texts["software"] = "rt-tools " RT_VERSION;
     image.texts["rt:sceneHash"] = fmt::format("{:016x}", record.sceneHash);
     image.texts["rt:atlasHash"] = fmt::format("{:016x}", record.atlasHash);
     image.texts["rt:glRenderer"] = record.renderer;
-    image.ints["samplesPerPixel"] = 1;
-    image.ints["rt:seed"] = 0;
+    image.ints["samplesPerPixel"] = static_cast<std::int32_t>(record.samples);
+    image.ints["rt:seed"] = static_cast<std::int32_t>(record.seed);
     if (record.renderTimeSeconds)
         image.floats["renderTimeSeconds"] = static_cast<float>(*record.renderTimeSeconds);
+}
+
+struct ChannelRow {
+    unsigned aov; // 0: always there
+    const char* name;
+    const std::vector<glm::vec4> FilmPixels::*values;
+    int component;
+};
+constexpr ChannelRow kChannels[] = {
+    {0, "R", &FilmPixels::colors, 0},
+    {0, "G", &FilmPixels::colors, 1},
+    {0, "B", &FilmPixels::colors, 2},
+    {0, "A", &FilmPixels::colors, 3},
+    {kAovNormal, "N.X", &FilmPixels::surfaces, 0},
+    {kAovNormal, "N.Y", &FilmPixels::surfaces, 1},
+    {kAovNormal, "N.Z", &FilmPixels::surfaces, 2},
+    {kAovDepth, "Z", &FilmPixels::surfaces, 3},
+    {kAovPosition, "P.X", &FilmPixels::positions, 0},
+    {kAovPosition, "P.Y", &FilmPixels::positions, 1},
+    {kAovPosition, "P.Z", &FilmPixels::positions, 2},
+    {kAovAlbedo, "albedo.R", &FilmPixels::albedos, 0},
+    {kAovAlbedo, "albedo.G", &FilmPixels::albedos, 1},
+    {kAovAlbedo, "albedo.B", &FilmPixels::albedos, 2},
+    {kAovTexcoord, "uv.U", &FilmPixels::texcoords, 0},
+    {kAovTexcoord, "uv.V", &FilmPixels::texcoords, 1},
+    {kAovSteps, "steps", &FilmPixels::texcoords, 2},
+    {kAovTests, "tests", &FilmPixels::texcoords, 3},
+};
+
+void addChannels(Image& image, const FilmPixels& pixels, unsigned aovs) {
+    for (const ChannelRow& row : kChannels) {
+        const std::vector<glm::vec4>& values = pixels.*row.values;
+        if ((row.aov == 0 || (aovs & row.aov)) && !values.empty())
+            image.channels.push_back(floatChannel(row.name, values, row.component));
+    }
+    if (aovs & kAovId) {
+        ImageChannel& ids = image.channels.emplace_back();
+        ids.name = "id";
+        ids.type = ImageChannel::Type::Uint;
+        ids.uints = pixels.ids;
+    }
+    if ((aovs & kAovVariance) && !pixels.variances.empty()) {
+        ImageChannel& variance = image.channels.emplace_back();
+        variance.name = "variance";
+        variance.values = pixels.variances;
+    }
+    std::sort(image.channels.begin(), image.channels.end(),
+              [](const ImageChannel& a, const ImageChannel& b) { return a.name < b.name; });
 }
 
 } // namespace
 
 Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& record) {
+    const glm::uvec4 window = record.window.value_or(glm::uvec4(0, 0, size));
     Image image;
-    image.width = size.x;
-    image.height = size.y;
-    image.channels = {floatChannel("R", pixels.colors, 0),     floatChannel("G", pixels.colors, 1),
-                      floatChannel("B", pixels.colors, 2),     floatChannel("A", pixels.colors, 3),
-                      floatChannel("N.X", pixels.surfaces, 0), floatChannel("N.Y", pixels.surfaces, 1),
-                      floatChannel("N.Z", pixels.surfaces, 2), floatChannel("Z", pixels.surfaces, 3)};
-    ImageChannel ids;
-    ids.name = "id";
-    ids.type = ImageChannel::Type::Uint;
-    ids.uints = pixels.ids;
-    image.channels.push_back(std::move(ids));
-    std::sort(image.channels.begin(), image.channels.end(),
-              [](const ImageChannel& a, const ImageChannel& b) { return a.name < b.name; });
-    addAttributes(image, record);
+    image.width = window.z - window.x;
+    image.height = window.w - window.y;
+    if (window != glm::uvec4(0, 0, size))
+        image.frame = ImageFrame{static_cast<std::int32_t>(window.x), static_cast<std::int32_t>(window.y),
+                                 size.x, size.y};
+    addChannels(image, pixels, record.aovs);
+    addAttributes(image, size, record);
     return image;
 }
 

@@ -1,24 +1,31 @@
 #pragma once
 #include "formats/image.h"
+#include "tools/rt-trace/aovs.h"
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/film.h"
 
 namespace rt {
 
-/// What a picture's attributes say besides its pixels.
+/// What a picture's channels and attributes say besides its pixels.
 struct RenderRecord {
     CameraPose camera;
     std::uint64_t sceneHash = 0; ///< of the .rtmesh
     std::uint64_t atlasHash = 0; ///< of the .rtatlas
     std::string renderer;
     std::optional<double> renderTimeSeconds; ///< absent: the picture is to be reproducible
+    unsigned samples = 1;                    ///< per pixel, at most
+    std::uint32_t seed = 0;
+    unsigned aovs = kDefaultAovs;
+    std::optional<glm::uvec4> window = {}; ///< [xy, zw): the pixels are those of this part of the picture
 };
 
-/// R, G, B, A, Z (depth along the view in world units, 0 where nothing was hit), N.X, N.Y, N.Z and id.
+/// R, G, B, A and the record's AOVs: Z (depth along the view in world units, 0 where nothing was hit), N.X,
+/// N.Y, N.Z and so on, see aovs.h; those for which there are no pixels are left out. `size` is that of the
+/// whole picture.
 ///
 /// Matrices transform row vectors, p' = p * M, as OpenEXR has it. worldToCamera: x to the right, y up, z
 /// forward. worldToNDC: (0, 0) at the top left of the picture, (1, 1) at the bottom right; z = 1 / depth, as
-/// there are no near and far planes.
+/// there are no near and far planes, orthographic z = depth. A panorama has none.
 Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& record);
 
 /// Pixels of which R, G, B or Z is not a finite number.

@@ -5,6 +5,7 @@
 #include "common/log.h"
 #include "tools/rt-trace/load_scene.h"
 #include "tools/rt-trace/render_image.h"
+#include "tools/rt-trace/render_loop.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/shader_variant.h"
 
@@ -21,22 +22,17 @@ BoundsD sceneBounds(const AtlasInfo& info) {
             {info.worldHi[0], info.worldHi[1], info.worldHi[2]}};
 }
 
-RenderParams renderParams(const TraceOptions& options) {
+RenderParams renderParams(const TraceOptions& options, const GridParams& grid) {
     RenderParams params = wholePicture(options.size);
     params.background = glm::vec4(options.background, 0.0f);
-    params.ambient = glm::vec4(options.ambient, 0.0f);
+    params.ambient =
+        glm::vec4(options.ambient, static_cast<float>(options.occlusion * double(grid.worldOffset.w)));
+    params.environment = glm::vec4(glm::vec3(static_cast<float>(options.environmentStrength)),
+                                   static_cast<float>(options.environmentTurn / 360.0));
+    params.filterSize.x = static_cast<float>(options.filterRadius);
+    params.region = options.window;
+    params.samples = {0, options.samples, options.seed, options.filter};
     return params;
-}
-
-/// Renders again with a variant that counts.
-WorkTotals countRenderWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
-                           const GpuView& view) {
-    plan.features.countWork = 1;
-    const GlProgram program = compileVariant(plan);
-    const Film film(options.size, true, context.limits());
-    film.bind();
-    renderRows(program, view, context);
-    return sumWork(film.readCounters());
 }
 
 /// Where the picture is taken from, and in which light.
@@ -50,21 +46,54 @@ struct Scenery {
 Scenery chooseScenery(const TraceOptions& options, const Atlas& atlas) {
     const BoundsD bounds = sceneBounds(atlas.info);
     const double aspect = double(options.size.x) / options.size.y;
-    const CameraPose pose = placeCamera(options.camera, bounds, aspect);
-    return {pose, cameraInAtlas(pose, aspect, atlas.grid), renderParams(options),
+    const CameraPose pose = placeCamera(withNamedCamera(options.camera, atlas.cameras), bounds, aspect);
+    return {pose, cameraInAtlas(pose, aspect, atlas.grid), renderParams(options, atlas.grid),
             chooseLights(options.lights, atlas, bounds, pose)};
+}
+
+PictureNeeds needsOf(const TraceOptions& options, const Scenery& scenery) {
+    PictureNeeds needs;
+    needs.maxDepth = options.maxDepth;
+    needs.lights = scenery.lights;
+    needs.environment = !options.environment.empty();
+    needs.occlusion = options.occlusion > 0.0;
+    needs.view = scenery.pose.view;
+    needs.lens = scenery.pose.lensRadius > 0.0;
+    needs.multisample = options.samples > 1;
+    needs.aovs = (options.aovs & kExtraAovs) != 0 || options.heat != Heat::None;
+    needs.moments = (options.aovs & kAovVariance) != 0 || options.targetError > 0.0;
+    return needs;
+}
+
+/// Takes the samples of `tiles` again with a variant that counts.
+WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
+                     const GpuView& view, const TileSamples& rendered) {
+    plan.features.countWork = 1;
+    const GlProgram program = compileVariant(plan);
+    const Film film(options.size, plan.features, context.limits());
+    film.bind();
+    TileSamples tiles = rendered;
+    for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
+    WorkTotals totals;
+    LoopControl control;
+    control.afterDispatch = [&](const TileSamples::Region& region) {
+        totals += sumWork(film.readCounters(region.pixels));
+    };
+    renderTiles(program, view, film, context, tiles, control);
+    return totals;
 }
 
 struct Rendered {
     FilmPixels pixels;
-    double gpuMs = 0.0;
+    TileSamples tiles;
+    LoopFigures figures;
     std::optional<WorkTotals> work;
 };
 
 Rendered render(const TraceOptions& options, const GpuScene& scene, const Scenery& scenery,
                 StageTimer& stages) {
     const GlContext& context = *scene.context;
-    const Film film(options.size, false, context.limits());
+    const Film film(options.size, scene.plan.features, context.limits());
     const GpuView view(scenery.camera, scenery.params, scenery.lights);
     scene.atlas.bind();
     view.bind();
@@ -73,15 +102,19 @@ Rendered render(const TraceOptions& options, const GpuScene& scene, const Scener
     finishCompiling(scene.program, view);
     stages.end();
     stages.add("firstDispatch", programMs());
-    Rendered rendered;
-    rendered.gpuMs = renderRows(scene.program, view, context);
+    Rendered rendered{{}, TileSamples(options.window, options.samples), {}, {}};
+    LoopControl control;
+    control.targetError = options.targetError;
+    if (options.timeLimitSeconds > 0.0) control.endMs = programMs() + options.timeLimitSeconds * 1e3;
+    stages.begin("render");
+    rendered.figures = renderTiles(scene.program, view, film, context, rendered.tiles, control);
     stages.begin("readback");
-    rendered.pixels = film.read();
+    rendered.pixels = film.read(options.window, rendered.tiles.perPixel());
     stages.end();
     const std::vector<std::uint32_t>& ids = rendered.pixels.ids;
     requireWholeWalks(static_cast<std::size_t>(std::count(ids.begin(), ids.end(), kWalkCutShort)), "pixels",
                       options.scenePath);
-    if (options.stats) rendered.work = countRenderWork(options, scene.plan, context, view);
+    if (options.stats) rendered.work = countWork(options, scene.plan, context, view, rendered.tiles);
     return rendered;
 }
 
@@ -105,14 +138,44 @@ void warnOfNonFinite(const TraceOptions& options, const FilmPixels& pixels) {
         logWarning(fmt::format("{}: {} pixels are not finite", options.scenePath, count));
 }
 
+double meanSamples(const Rendered& rendered) {
+    double sum = 0.0;
+    for (const std::uint32_t samples : rendered.tiles.perPixel()) sum += samples;
+    return sum / static_cast<double>(rendered.tiles.pixelCount());
+}
+
+std::uint32_t mostSamples(const Rendered& rendered) {
+    std::uint32_t most = 0;
+    for (const TileSamples::Tile& tile : rendered.tiles.tiles()) most = std::max(most, tile.samples);
+    return most;
+}
+
 void logFigures(const TraceOptions& options, const Rendered& rendered) {
-    std::string figures = fmt::format("{}x{} in {:.2f} ms", options.size.x, options.size.y, rendered.gpuMs);
+    const glm::uvec4& window = options.window;
+    const double gpuMs = rendered.figures.gpuMs;
+    std::string figures = fmt::format("{}x{} in {:.2f} ms", window.z - window.x, window.w - window.y, gpuMs);
+    if (options.samples > 1) figures += fmt::format(", {:.4g} samples per pixel", meanSamples(rendered));
+    if (rendered.figures.timeLimitReached) figures += ", ended by --time-limit";
     if (const auto& work = rendered.work)
-        figures +=
-            fmt::format(", {} rays, {:.1f} Mrays/s, {:.2f} steps and {:.2f} tests per ray", work->rays,
-                        mraysPerSecond(work->rays, rendered.gpuMs), double(work->steps) / double(work->rays),
-                        double(work->tests) / double(work->rays));
+        figures += fmt::format(", {} rays, {:.1f} Mrays/s, {:.2f} steps and {:.2f} tests per ray", work->rays,
+                               mraysPerSecond(work->rays, gpuMs), double(work->steps) / double(work->rays),
+                               double(work->tests) / double(work->rays));
     logInfo(figures);
+}
+
+nlohmann::json samplesToJson(const TraceOptions& options, const Rendered& rendered) {
+    std::uint32_t least = options.samples;
+    for (const TileSamples::Tile& tile : rendered.tiles.tiles()) least = std::min(least, tile.samples);
+    return {{"wanted", options.samples},
+            {"least", least},
+            {"most", mostSamples(rendered)},
+            {"mean", meanSamples(rendered)},
+            {"total", rendered.figures.samples},
+            {"seed", options.seed},
+            {"timeLimitReached", rendered.figures.timeLimitReached},
+            {"dispatches", rendered.figures.dispatches},
+            {"tiles", rendered.tiles.tiles().size()},
+            {"tilesStoppedByError", rendered.figures.tilesStopped}};
 }
 
 void writeReport(const TraceOptions& options, const GpuScene& scene, const CameraPose& pose,
@@ -121,14 +184,27 @@ void writeReport(const TraceOptions& options, const GpuScene& scene, const Camer
     nlohmann::json report;
     reportCommon(report, scene, stages);
     reportCamera(report, pose);
-    report["width"] = options.size.x;
-    report["height"] = options.size.y;
-    report["gpuMs"] = rendered.gpuMs;
+    report["width"] = options.window.z - options.window.x;
+    report["height"] = options.window.w - options.window.y;
+    report["gpuMs"] = rendered.figures.gpuMs;
+    report["samples"] = samplesToJson(options, rendered);
     if (rendered.work) {
-        reportWork(report, *rendered.work, rendered.gpuMs);
+        reportWork(report, *rendered.work, rendered.figures.gpuMs);
         report["selfHits"] = rendered.work->selfHits;
     }
     writeJson(options.common.jsonPath, report);
+}
+
+RenderRecord recordOf(const TraceOptions& options, const GpuScene& scene, const CameraPose& pose,
+                      const Rendered& rendered) {
+    RenderRecord record{pose, scene.file.atlas.info.meshHash, scene.file.contentHash,
+                        scene.context->device().renderer, std::nullopt};
+    if (!options.reproducible) record.renderTimeSeconds = rendered.figures.gpuMs * 1e-3;
+    record.samples = mostSamples(rendered);
+    record.seed = options.seed;
+    record.aovs = options.aovs;
+    record.window = options.window;
+    return record;
 }
 
 } // namespace
@@ -138,17 +214,15 @@ void traceScene(const TraceOptions& options) {
     Scenery scenery;
     const auto choose = [&](const Atlas& atlas, const GlLimits&) -> SceneNeeds {
         scenery = chooseScenery(options, atlas);
-        return {renderFeatures(atlas, {.maxDepth = options.maxDepth, .lights = scenery.lights}),
+        return {renderFeatures(atlas, needsOf(options, scenery)),
                 static_cast<unsigned>(scenery.lights.size())};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
     const Rendered rendered = render(options, scene, scenery, stages);
     warnOfNonFinite(options, rendered.pixels);
-    RenderRecord record{scenery.pose, scene.file.atlas.info.meshHash, scene.file.contentHash,
-                        scene.context->device().renderer, std::nullopt};
-    if (!options.reproducible) record.renderTimeSeconds = rendered.gpuMs * 1e-3;
     stages.begin("write");
-    writeImages(options.outputPaths, toImage(options.size, rendered.pixels, record));
+    writeImages(options.outputPaths,
+                toImage(options.size, rendered.pixels, recordOf(options, scene, scenery.pose, rendered)));
     stages.end();
     logFigures(options, rendered);
     logStages(stages);

@@ -1,0 +1,28 @@
+#pragma once
+#include <glm/vec3.hpp>
+
+namespace rt {
+
+/// How radiances become what a screen shows.
+enum class ToneMap {
+    None,     ///< values above 1 are cut off
+    Reinhard, ///< Reinhard et al. 2002, on the luminance
+    Aces,     ///< Narkowicz 2015, "ACES Filmic Tone Mapping Curve"
+    Filmic,   ///< Hable 2010, "Filmic Tonemapping Operators"; 11.2 becomes white
+};
+
+/// A linear colour in, one for sRGB encoding out, which still needs clamping to [0, 1].
+glm::dvec3 toneMapped(ToneMap map, const glm::dvec3& linear);
+
+/// 0.2126 R + 0.7152 G + 0.0722 B.
+double luminanceOf(const glm::dvec3& linear);
+
+/// A colour for t in [0, 1] whose lightness grows evenly: from dark violet over green to yellow.
+/// sRGB-encoded, 0 to 1. Source: van der Walt & Smith 2015, "viridis"; 9 of its colours, straight lines
+/// between.
+glm::dvec3 heatColor(double t);
+
+/// Linear light of an sRGB-encoded value. Source: IEC 61966-2-1.
+double decodeSrgb(double encoded);
+
+} // namespace rt
