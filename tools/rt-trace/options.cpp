@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "formats/image.h"
+#include "tools/rt-trace/environment.h"
 #include "tools/rt-trace/picture_options.h"
 
 #include <CLI/CLI.hpp>
@@ -81,7 +82,9 @@ void checkPaths(const TraceOptions& options) {
     if (options.listCameras || (options.explain && options.outputPaths.empty())) return;
     if (options.outputPaths.empty()) throw Error(ErrorKind::Usage, "no output was named; add -o FILE");
     const bool goesOn = options.resumePath == options.checkpointPath; // then both are one file
+    const bool environmentFile = isEnvironmentFile(options.environment);
     requireDistinctPaths({options.scenePath, options.raysPath, options.cameraPath,
+                          environmentFile ? options.environment : std::string(),
                           goesOn ? std::string() : options.resumePath},
                          outputsOf(options));
     if (!options.raysPath.empty()) {

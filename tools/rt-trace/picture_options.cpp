@@ -1,7 +1,8 @@
 #include "tools/rt-trace/picture_options.h"
 
 #include "common/error.h"
-#include "formats/image.h"
+#include "tools/rt-trace/environment.h"
+#include "tools/rt-trace/parse_color.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -48,24 +49,6 @@ unsigned indexIn(const Names& names, const std::string& name) {
 glm::dvec3 parsePoint(const std::string& text, const char* option) {
     const std::vector<double> v = parseNumbers(text, 3, option);
     return {v[0], v[1], v[2]};
-}
-
-glm::vec3 toColor(double r, double g, double b, const char* option) {
-    if (std::min({r, g, b}) < 0.0) throwUsage(fmt::format("{}: colours are not negative", option));
-    return glm::vec3(glm::dvec3(r, g, b));
-}
-
-std::size_t countNumbers(const std::string& text) {
-    return static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
-}
-
-glm::vec3 parseColor(const std::string& text, const char* option) {
-    if (countNumbers(text) == 1) {
-        const double grey = parseNumbers(text, 1, option)[0];
-        return toColor(grey, grey, grey, option);
-    }
-    const std::vector<double> v = parseNumbers(text, 3, option);
-    return toColor(v[0], v[1], v[2], option);
 }
 
 LightRequest parseLight(const std::string& text) {
@@ -320,6 +303,7 @@ void convertPictureTexts(const PictureTexts& texts, TraceOptions& options) {
         if (texts.view == viewName(view)) camera.view = view;
     options.ambient = parseColor(texts.ambient, "--ambient");
     options.background = parseColor(texts.background, "--background");
+    if (!options.environment.empty()) checkEnvironment(options.environment);
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
     convertSamples(texts, options);
     options.toneMap = static_cast<ToneMap>(indexIn(kToneMapNames, texts.toneMap));

@@ -1,0 +1,51 @@
+#pragma once
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+namespace rt {
+
+/// Light from far away on all sides, and how it is distributed.
+///
+/// The direction (x, y, z), of unit length and pointing away from the scene, is seen at
+///     u = atan2(x, -z) / (2 pi) + 0.5,   v = acos(y) / pi
+/// of the picture: +y is its top row, the middle column is -z, +x lies a quarter of the width right of that.
+/// Pixel (column, row) covers [column, column + 1) / width by [row, row + 1) / height.
+struct EnvironmentMap {
+    unsigned width = 0;
+    unsigned height = 0;
+    std::vector<glm::vec3> pixels; ///< radiance, linear RGB, finite and not negative; row by row from the top
+    /// The piecewise constant distribution of luminance * sin(pi v), v in the middle of the row, over the
+    /// unit square of (u, v): floats, one after the other
+    ///     [0]  width
+    ///     [1]  height
+    ///     [2]  integral over the unit square; 0 = all is black
+    ///     [3]  height + 1 values: part of the light above each border of rows, 0 ... 1
+    ///     then for each row width + 1 values: part of the row's light left of each border of columns, 0 ...
+    ///     1
+    /// Where there is no light at all, rows or columns get even parts. The density over directions is
+    /// luminance / (integral * 2 pi^2) in each pixel, but for sin(pi v) of the direction over that of the
+    /// row. Source: Pharr, Jakob & Humphreys, "Physically Based Rendering", 13.6.7 and 14.2.4.
+    std::vector<float> cdf;
+};
+
+/// Index in EnvironmentMap::cdf of the first value of a row.
+inline std::size_t rowOfCdf(unsigned width, unsigned height, unsigned row) {
+    return 3 + (std::size_t(height) + 1) + std::size_t(row) * (std::size_t(width) + 1);
+}
+
+/// Whether --environment names a file: it ends in .exr or .hdr.
+bool isEnvironmentFile(const std::string& text);
+
+/// Throws Error{Usage} unless --environment names a file or a colour.
+void checkEnvironment(const std::string& text);
+
+/// From the channels R, G, B or Y of an EXR, from a Radiance HDR, or of one colour, "G" or "R,G,B", which
+/// becomes 2x1 pixels. What is negative or not finite becomes 0, with a warning. Throws Error{Usage},
+/// Error{FileAccess}, Error{InvalidContent} or Error{LimitExceeded}.
+EnvironmentMap loadEnvironment(const std::string& text);
+
+/// EnvironmentMap::cdf of such pixels.
+std::vector<float> environmentCdf(unsigned width, unsigned height, const std::vector<glm::vec3>& pixels);
+
+} // namespace rt
