@@ -8,6 +8,7 @@
 #include "tools/rt-trace/render_loop.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/upload_environment.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -65,6 +66,14 @@ PictureNeeds needsOf(const TraceOptions& options, const Scenery& scenery) {
     return needs;
 }
 
+std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, const GlLimits& limits) {
+    if (options.environment.empty()) return std::nullopt;
+    std::optional<GpuEnvironment> environment;
+    environment.emplace(loadEnvironment(options.environment), limits, options.environment);
+    environment->bind();
+    return environment;
+}
+
 /// Takes the samples of `tiles` again with a variant that counts.
 WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
                      const GpuView& view, const TileSamples& rendered) {
@@ -98,6 +107,7 @@ Rendered render(const TraceOptions& options, const GpuScene& scene, const Scener
     scene.atlas.bind();
     view.bind();
     film.bind();
+    const std::optional<GpuEnvironment> environment = uploadEnvironment(options, context.limits());
     stages.begin("compile");
     finishCompiling(scene.program, view);
     stages.end();
