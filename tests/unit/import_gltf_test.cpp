@@ -120,6 +120,42 @@ TEST(ImportGltf, UnlitIsBaseColourAlone) {
     EXPECT_EQ(m.reflection.x, 0.0f);
 }
 
+TEST(ImportGltf, EmissiveStrengthAndSpecularAreReadWhereAssimpDoesNot) {
+    const Material m = materialOf(R"({"emissiveFactor":[1,0.5,0],"extensions":{
+        "KHR_materials_emissive_strength":{"emissiveStrength":8},
+        "KHR_materials_specular":{"specularFactor":0.25}}})");
+    EXPECT_EQ(m.emission, glm::vec4(8, 4, 0, 0));
+    EXPECT_EQ(m.reflection.z, 0.25f);
+    const ImportedModel coloured =
+        importMaterial(R"({"extensions":{"KHR_materials_specular":{"specularColorFactor":[1,0,0]}}})");
+    EXPECT_THAT(coloured.report.warnings, ElementsAre(HasSubstr("specular colour is not carried over")));
+}
+
+// Assimp numbers materials by its order of reading, here 2, 0.
+TEST(ImportGltf, ExtrasFindTheirMaterialWhateverItsNumber) {
+    ModelFiles files;
+    const auto glow = [](int strength) {
+        return R"({"emissiveFactor":[1,1,1],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":)" +
+               std::to_string(strength) + "}}}";
+    };
+    std::string text =
+        gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})", glow(2) + "," + glow(3) + "," + glow(4));
+    const std::string primitive = R"({"attributes":{"POSITION":0,"NORMAL":1},"material":0})";
+    text.replace(text.find(primitive), primitive.size(),
+                 R"({"attributes":{"POSITION":0},"material":2},{"attributes":{"POSITION":0},"material":0})");
+    files.write("m.gltf", text);
+    const Mesh mesh = files.import("m.gltf").mesh;
+    EXPECT_EQ(mesh.materials[mesh.triangleMaterial[0]].emission.x, 4.0f);
+    EXPECT_EQ(mesh.materials[mesh.triangleMaterial[1]].emission.x, 2.0f);
+}
+
+TEST(ImportGltf, ExtensionsThatAreNotReadAreNamed) {
+    ModelFiles files;
+    files.write("m.gltf", gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})", "{}",
+                                       R"(,"extensionsUsed":["KHR_materials_iridescence"])"));
+    EXPECT_THAT(files.import("m.gltf").report.warnings, ElementsAre(HasSubstr("KHR_materials_iridescence")));
+}
+
 TEST(ImportGltf, ATextureWithOtherCoordinatesIsNamedAndItsFactorCountsAsZero) {
     const ImportedModel model = importMaterial(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},
                            "metallicRoughnessTexture":{"index":1,"texCoord":1}}})");

@@ -78,6 +78,22 @@ TEST(ImportLights, ASpotKeepsItsCones) {
     EXPECT_NEAR(light.edgeU.w, std::cos(0.25f), 1e-6f);
 }
 
+TEST(ImportLights, ALightAtTwoNodesIsTwoLights) {
+    const std::string shown = R"("extensions":{"KHR_lights_punctual":{"light":0}}})";
+    const ImportedModel model = importWith(
+        R"({"name":"same","translation":[1,0,0],)" + shown + R"(,{"name":"same","translation":[2,0,0],)" +
+            shown +
+            R"(,{"children":[4]},{"translation":[3,0,0],"extensions":{"KHR_lights_punctual":{"light":1}}})",
+        "[1,2,3]",
+        R"(,"extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":7},
+                       {"type":"point","intensity":9}]}})");
+    std::vector<glm::vec2> placesAndIntensities;
+    for (const Light& light : model.mesh.lights)
+        placesAndIntensities.emplace_back(light.position.x, light.intensity.x);
+    EXPECT_THAT(placesAndIntensities,
+                testing::UnorderedElementsAre(glm::vec2(1, 7), glm::vec2(2, 7), glm::vec2(3, 9)));
+}
+
 // None of the formats that are read has these, so that they are made here.
 struct SceneWithLight {
     aiScene scene;
@@ -91,7 +107,7 @@ struct SceneWithLight {
         light->mColorDiffuse = aiColor3D(1, 2, 3);
     }
     std::vector<Light> read(SpotAngles angles = SpotAngles::FromAxis) {
-        return readLights(scene, glm::vec3(0, 0, -2), angles, warnings);
+        return readLights(scene, {}, glm::vec3(0, 0, -2), angles, warnings);
     }
     std::vector<std::string> warnings;
 };
@@ -197,6 +213,17 @@ TEST(ImportCameras, NamesAreUniqueAndClippedWhereACharacterEnds) {
     EXPECT_EQ(std::string(model.mesh.cameras[0].name), name);
     EXPECT_EQ(std::string(model.mesh.cameras[1].name), std::string(61, 'x') + ".1");
     EXPECT_EQ(std::string(model.mesh.cameras[2].name), std::string(61, 'x') + ".2");
+}
+
+TEST(ImportCameras, ACameraAtTwoNodesIsTwoCameras) {
+    const ImportedModel model = importWith(
+        R"({"name":"a","camera":0,"translation":[1,0,0]},{"name":"b","camera":0,"translation":[2,0,0]})",
+        "[1,2]", R"(,"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}])");
+    ASSERT_EQ(model.mesh.cameras.size(), 2u);
+    EXPECT_STREQ(model.mesh.cameras[0].name, "a");
+    expectNear(vectorOf(model.mesh.cameras[0].eye), {1, 0, 5});
+    EXPECT_STREQ(model.mesh.cameras[1].name, "b");
+    expectNear(vectorOf(model.mesh.cameras[1].eye), {2, 0, 5});
 }
 
 TEST(ImportCameras, TheOneOfTheEngineIsRead) {

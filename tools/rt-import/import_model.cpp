@@ -5,6 +5,7 @@
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/open_model.h"
 #include "tools/rt-import/read_cameras.h"
+#include "tools/rt-import/read_gltf_extras.h"
 #include "tools/rt-import/read_lights.h"
 #include "tools/rt-import/read_scene.h"
 #include "tools/rt-import/repair_mesh.h"
@@ -43,8 +44,8 @@ SpotAngles spotAnglesOf(const std::string& path) {
 
 // Fills `parts` with the materials that triangles use and their images. What they want of the vertices is
 // returned.
-SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, ModelFolder& folder,
-                          std::vector<std::string>& warnings, SceneParts& parts) {
+SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
+                          ModelFolder& folder, std::vector<std::string>& warnings, SceneParts& parts) {
     SoupOptions wanted;
     wanted.uvChannel.assign(used.size(), 0);
     wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
@@ -53,7 +54,10 @@ SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, M
     for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
         if (!used[m]) continue;
         parts.slotOf[m] = static_cast<std::uint32_t>(sources.size());
-        sources.push_back(readMaterial(*scene.mMaterials[m], warnings));
+        const auto extra = extras.materials.find(m);
+        sources.push_back(readMaterial(*scene.mMaterials[m],
+                                       extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second,
+                                       warnings));
         for (const auto& texture : sources.back().textures) {
             if (!texture) continue;
             wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
@@ -74,14 +78,16 @@ SceneParts readParts(const std::string& path, ModelFolder& folder, ImportReport&
 
     timer.begin("materials");
     SceneParts parts;
-    SoupOptions wanted =
-        readMaterials(scene, findUsedMaterials(scene, instances, path), folder, report.warnings, parts);
+    const GltfExtras extras = readGltfExtras(path, scene, report.warnings);
+    const std::vector<bool> used = findUsedMaterials(scene, instances, path);
+    SoupOptions wanted = readMaterials(scene, used, extras, folder, report.warnings, parts);
     wanted.normals = hasOwnNormals(path);
 
     timer.begin("soup");
     parts.soup = readSoup(scene, instances, wanted, path);
-    parts.lights = readLights(scene, boundsOf(parts.soup).centre(), spotAnglesOf(path), report.warnings);
-    parts.cameras = readCameras(scene, report.warnings);
+    parts.lights = readLights(scene, extras.lightNodes, boundsOf(parts.soup).centre(), spotAnglesOf(path),
+                              report.warnings);
+    parts.cameras = readCameras(scene, extras.cameraNodes, report.warnings);
     report.droppedFaces = parts.soup.droppedFaces;
     return parts;
 }

@@ -1,7 +1,6 @@
 #include "tools/rt-import/read_cameras.h"
 
 #include "tools/rt-import/assimp_glm.h"
-#include "tools/rt-import/scene_nodes.h"
 
 #include <assimp/camera.h>
 #include <assimp/scene.h>
@@ -53,9 +52,9 @@ void setView(const aiCamera& source, NamedCamera& camera) {
     }
 }
 
-NamedCamera readCamera(const aiCamera& source, const aiNode* node) {
+NamedCamera readCamera(const aiCamera& source, const aiNode* node, const aiNode* owner) {
     const glm::dmat3 linear(worldFromNode(node));
-    const glm::dvec3 eye = worldPosition(node, glm::dvec3(vec3Of(source.mPosition)));
+    const glm::dvec3 eye = worldPosition(node, owner, glm::dvec3(vec3Of(source.mPosition)));
     const glm::dvec3 forward = glm::normalize(linear * glm::dvec3(vec3Of(source.mLookAt)));
     glm::dvec3 up = glm::normalize(linear * glm::dvec3(vec3Of(source.mUp)));
     if (!(glm::length(glm::cross(forward, up)) > 1e-6)) // any other will do
@@ -70,18 +69,22 @@ NamedCamera readCamera(const aiCamera& source, const aiNode* node) {
 
 } // namespace
 
-std::vector<NamedCamera> readCameras(const aiScene& scene, std::vector<std::string>& warnings) {
+std::vector<NamedCamera> readCameras(const aiScene& scene, const NodesByName& nodes,
+                                     std::vector<std::string>& warnings) {
     std::vector<NamedCamera> cameras;
     std::set<std::string> names;
     unsigned broken = 0;
     for (unsigned i = 0; i < scene.mNumCameras; ++i) {
         const aiCamera& source = *scene.mCameras[i];
-        NamedCamera camera = readCamera(source, scene.mRootNode->FindNode(source.mName));
-        const std::string name = uniqueName(source.mName.C_Str(), names);
-        name.copy(camera.name, kMaxNameBytes);
-        const bool valid = isValid(camera);
-        if (valid) cameras.push_back(camera);
-        broken += !valid;
+        const aiNode* owner = scene.mRootNode->FindNode(source.mName);
+        for (const aiNode* node : nodesOf(source.mName.C_Str(), nodes, scene.mRootNode)) {
+            NamedCamera camera = readCamera(source, node, owner);
+            const aiString& name = node ? node->mName : source.mName;
+            uniqueName(name.C_Str(), names).copy(camera.name, kMaxNameBytes);
+            const bool valid = isValid(camera);
+            if (valid) cameras.push_back(camera);
+            broken += !valid;
+        }
     }
     if (broken > 0)
         warnings.push_back(fmt::format("{} cameras are not finite or show nothing and are left out", broken));

@@ -3,7 +3,6 @@
 #include "formats/mesh.h"
 
 #include "tools/rt-import/assimp_glm.h"
-#include "tools/rt-import/scene_nodes.h"
 
 #include <assimp/light.h>
 #include <assimp/scene.h>
@@ -68,15 +67,14 @@ std::optional<std::uint32_t> kindOf(const aiLight& light) {
     }
 }
 
-Light readLight(const aiLight& source, std::uint32_t kind, const aiNode* root, const glm::vec3& sceneCentre,
-                SpotAngles spotAngles) {
-    const aiNode* node = root->FindNode(source.mName);
+Light readLight(const aiLight& source, std::uint32_t kind, const aiNode* node, const aiNode* owner,
+                const glm::vec3& sceneCentre, SpotAngles spotAngles) {
     const glm::dmat3 linear(worldFromNode(node));
     Light light{};
     light.kind.x = kind;
     glm::dvec3 color(source.mColorDiffuse.r, source.mColorDiffuse.g, source.mColorDiffuse.b);
     if (kind != kLightDirectional) {
-        const glm::dvec3 position = worldPosition(node, glm::dvec3(vec3Of(source.mPosition)));
+        const glm::dvec3 position = worldPosition(node, owner, glm::dvec3(vec3Of(source.mPosition)));
         light.position = vec4(vec3(position), 0.0f);
         const glm::dvec3 toCentre = glm::dvec3(sceneCentre) - position;
         // Our lights give intensity / (pi d^2); this makes it the colour itself at the centre.
@@ -92,22 +90,23 @@ Light readLight(const aiLight& source, std::uint32_t kind, const aiNode* root, c
 
 } // namespace
 
-std::vector<Light> readLights(const aiScene& scene, const glm::vec3& sceneCentre, SpotAngles spotAngles,
-                              std::vector<std::string>& warnings) {
+std::vector<Light> readLights(const aiScene& scene, const NodesByName& nodes, const glm::vec3& sceneCentre,
+                              SpotAngles spotAngles, std::vector<std::string>& warnings) {
     std::vector<Light> lights;
     unsigned otherKinds = 0, constant = 0, broken = 0;
     for (unsigned i = 0; i < scene.mNumLights; ++i) {
         const aiLight& source = *scene.mLights[i];
         const auto kind = kindOf(source);
-        if (!kind) {
-            ++otherKinds;
-            continue;
+        otherKinds += !kind;
+        if (!kind) continue;
+        const aiNode* owner = scene.mRootNode->FindNode(source.mName);
+        for (const aiNode* node : nodesOf(source.mName.C_Str(), nodes, scene.mRootNode)) {
+            const Light light = readLight(source, *kind, node, owner, sceneCentre, spotAngles);
+            const bool valid = isValid(light);
+            if (valid) lights.push_back(light);
+            broken += !valid;
+            constant += valid && hasPlace(source) && !fallsOff(source);
         }
-        const Light light = readLight(source, *kind, scene.mRootNode, sceneCentre, spotAngles);
-        const bool valid = isValid(light);
-        if (valid) lights.push_back(light);
-        broken += !valid;
-        constant += valid && hasPlace(source) && !fallsOff(source);
     }
     if (otherKinds > 0)
         warnings.push_back(fmt::format(

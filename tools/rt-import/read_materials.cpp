@@ -120,9 +120,9 @@ void keepBaseColorOnly(MaterialSource& result) {
 }
 
 // Also drops the textures of what is zero anyway.
-void readFactorsOfTextures(const aiMaterial& source, MaterialSource& result) {
+void readFactorsOfTextures(const aiMaterial& source, float emissiveStrength, MaterialSource& result) {
     const vec4 color = findColor(source, {AI_MATKEY_COLOR_EMISSIVE}).value_or(vec4(0.0f));
-    const float strength = numberOr(source, {AI_MATKEY_EMISSIVE_INTENSITY}, 1.0f);
+    const float strength = numberOr(source, {AI_MATKEY_EMISSIVE_INTENSITY}, emissiveStrength);
     const vec3 emission = clampColor(color * strength, std::numeric_limits<float>::max());
     result.material.emission = vec4(emission, 0.0f);
     if (emission == vec3(0.0f)) textureOf(result, TextureUse::Emission).reset();
@@ -151,15 +151,17 @@ vec4 readBaseColor(const aiMaterial& source, const std::string& name, bool textu
 
 } // namespace
 
-MaterialSource readMaterial(const aiMaterial& source, std::vector<std::string>& warnings) {
-    std::vector<std::string> lost;
+MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& extras,
+                            std::vector<std::string>& warnings) {
+    std::vector<std::string> lost = extras.lost;
     MaterialSource result{{}, diffuseMaterial(vec3(1.0f)), {}};
     result.name = findText(source, {AI_MATKEY_NAME}).value_or("");
     result.textures = readTextures(source, lost);
     result.material.baseColor =
         readBaseColor(source, result.name, textureOf(result, TextureUse::BaseColor).has_value());
     readOptics(source, result, lost);
-    readFactorsOfTextures(source, result);
+    result.material.reflection.z *= extras.specular;
+    readFactorsOfTextures(source, extras.emissiveStrength, result);
     if (findInteger(source, kGltfUnlit).value_or(0) != 0) keepBaseColorOnly(result);
     for (const TextureUse use : keepOneSetOfCoordinates(result.textures)) {
         dropTexture(result, use);
