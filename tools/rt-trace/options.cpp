@@ -105,6 +105,7 @@ std::vector<std::string> outputsOf(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths)
         paths.push_back(options.frames ? framePath(path, options.frames->first).value_or(path) : path);
     if (!options.checkpointPath.empty()) paths.push_back(options.checkpointPath);
+    if (options.explain) paths.push_back("-");
     if (!options.common.jsonPath.empty()) paths.push_back(options.common.jsonPath);
     return paths;
 }

@@ -264,6 +264,10 @@ void checkFrames(const TraceOptions& options) {
     if (options.frames.has_value() != !options.cameraPath.empty())
         throwUsage("--frames and --camera-path go together");
     if (!options.frames) return;
+    const CameraRequest& camera = options.camera;
+    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees || !camera.name.empty())
+        throwUsage(
+            "--camera, --eye, --look-at, --up and --fov do not go with --camera-path, which says that");
     if (!options.checkpointPath.empty() || !options.resumePath.empty())
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
     for (const std::string& path : options.outputPaths)
@@ -308,6 +312,9 @@ void convertPictureTexts(const PictureTexts& texts, TraceOptions& options) {
     convertSamples(texts, options);
     options.toneMap = static_cast<ToneMap>(indexIn(kToneMapNames, texts.toneMap));
     if (!texts.heat.empty()) options.heat = texts.heat == "steps" ? Heat::Steps : Heat::Tests;
+    for (const double number : {options.environmentTurn, options.environmentStrength, options.exposureStops,
+                                options.occlusion, options.timeLimitSeconds, options.targetError})
+        if (!std::isfinite(number)) throwUsage("'nan' and 'inf' are no numbers for an option");
     if (options.heatMost > 0.0 && options.heat == Heat::None) throwUsage("--heat-max needs --heat");
     if (!texts.frames.empty()) options.frames = parseFrames(texts.frames);
     checkFrames(options);
