@@ -109,7 +109,8 @@ void main() {
     vec4 texcoord = first > 0u ? imageLoad(texcoordImage, texel) : vec4(0.0f);
 #endif
     uint count = kMultisample ? picture.samples.y : 1u;
-    for (uint i = 0u; i < count; ++i) {
+    uint i = 0u;
+    for (; i < count; ++i) {
         Sample one = renderSample(pixel, first + i, work);
         color += one.color;
         float luminance = dot(one.color.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
@@ -124,6 +125,7 @@ void main() {
 #endif
         }
     }
+    if (kSoftware && i < count) imageStore(idImage, texel, uvec4(kWalkCutShort)); // this loop, too, may be ended
     imageStore(colorImage, texel, color);
 #if RT_HAS_MOMENTS
     imageStore(momentImage, texel, vec4(moments, 0.0f, 0.0f));
