@@ -28,17 +28,19 @@ float indexOf(uint medium) {
     return medium == 0xFFFFu ? 1.0f : materials[medium].transmission.y;
 }
 
+uvec2 mediaBehind(Surface s, uvec2 media) {
+    if (!kHasTransmission || s.thin) return media;
+    return s.entering ? afterEntering(media, s.material) : afterLeaving(media, s.material);
+}
+
 // Index of refraction on the ray's side of the surface / on the other side.
 float indexRatio(Surface s, uvec2 media) {
     if (!kHasTransmission && !kHasReflection) return 1.0f;
     float own = materials[s.material].transmission.y;
     if (!kHasTransmission || s.thin || s.transmission == 0.0f) return 1.0f / own;
-    return s.entering ? indexOf(innermost(media)) / own : own / indexOf(innermost(afterLeaving(media, s.material)));
-}
-
-uvec2 mediaBehind(Surface s, uvec2 media) {
-    if (!kHasTransmission || s.thin) return media;
-    return s.entering ? afterEntering(media, s.material) : afterLeaving(media, s.material);
+    // A ray that has entered nothing and leaves a solid has begun in it.
+    bool began = !s.entering && innermost(media) == 0xFFFFu;
+    return (began ? own : indexOf(innermost(media))) / indexOf(innermost(mediaBehind(s, media)));
 }
 
 // Of white light after a way through the media, in atlas units (Beer 1852).
