@@ -125,10 +125,11 @@ vec3 reflectedLight(Surface s, Scatter c, vec3 toLight, float density) {
     vec3 light = c.diffuse * (cosLight / kPi);
     if (!c.rough) return light;
     vec3 facet = normalize(c.view + toLight);
-    float cosFacet = dot(c.normal, facet);
+    vec3 aside = cross(c.normal, facet);
+    float sineSquared = dot(aside, aside);
     float shadowing = 1.0f / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight));
-    float lobe = facetDensity(c.alpha, cosFacet) * shadowing / (4.0f * c.cosView);
-    float share = density > 0.0f ? density / (density + reflectionDensity(c.alpha, c.cosView, cosFacet)) : 1.0f;
+    float lobe = facetDensity(c.alpha, sineSquared) * shadowing / (4.0f * c.cosView);
+    float share = density > 0.0f ? density / (density + reflectionDensity(c.alpha, c.cosView, sineSquared)) : 1.0f;
     return light + (1.0f - s.mirror) * reflectedPart(s, dot(c.view, facet), c.eta) * (lobe * share);
 }
 
@@ -240,7 +241,7 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
         vec3 view = transpose(frame) * c.view;
         vec3 facet = visibleFacet(c.alpha, vec3(view.xy, max(view.z, 1e-4f)), pairOf(random, kPairFacet, from.depth));
         normal = real3(frame * facet);
-        density = reflectionDensity(c.alpha, c.cosView, facet.z);
+        density = reflectionDensity(c.alpha, c.cosView, dot(facet.xy, facet.xy));
         float cosLight = reflect(-view, facet).z;
         kept = cosLight > 0.0f ? (1.0f + smithLambda(c.alpha, c.cosView)) / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight)) : 0.0f;
     }
