@@ -56,11 +56,13 @@ float largest(vec3 v) {
     return max(v.x, max(v.y, v.z));
 }
 
-// How much light goes straight through a surface that shadows fall from.
+// How much light goes straight through a surface that shadows fall from. The angle is the one on the side of the lower index:
+// so panes let through what they do, where light that really went straight would be reflected totally inside.
 vec3 shadowTint(Surface s, real3 direction, uvec2 media) {
     float cosine = float(abs(dot(s.normal, normalize(direction))));
+    float eta = indexRatio(s, media);
     vec3 glass = kHasTransmission && s.transmission > 0.0f
-                     ? enteringPart(s, cosine, indexRatio(s, media)) * s.transmission * s.baseColor
+                     ? enteringPart(s, cosine, min(eta, 1.0f / eta)) * s.transmission * s.baseColor
                      : vec3(0.0f);
     return vec3(1.0f - s.opacity) + s.opacity * glass;
 }
