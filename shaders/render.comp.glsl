@@ -56,7 +56,7 @@ void follow(Pending current, Sampler random, inout Sample result, inout WorkCoun
     Hit hit = trace(ray, false, work);
     bool missed = hit.triangle == kNoTriangle;
     if (kHasEmitters) {
-        Emitter emitter = emitterOnWay(ray, hit.t);
+        Emitter emitter = emitterOnWay(ray, hit.t, current.gone);
         if (emitter.t < hit.t) {
             float share = current.density > 0.0f ? current.density / (current.density + emitter.density) : 1.0f;
             result.color.rgb += current.weight * passedBy(current.media, float(emitter.t)) * emitter.radiance * share;
@@ -70,6 +70,7 @@ void follow(Pending current, Sampler random, inout Sample result, inout WorkCoun
     }
     if (kCountWork && hit.triangle == current.from) work.selfHits += 1u;
     current.width += float(hit.t) * pixelSpread();
+    current.gone += float(hit.t);
     Surface s = surfaceAt(ray, hit, current.width);
     if (current.depth == 0u) recordPrimary(result, ray, hit, s);
     current.weight *= passedBy(current.media, float(hit.t));
@@ -82,7 +83,7 @@ Sample renderSample(uvec2 pixel, uint index, inout WorkCounters work) {
     Sampler random = samplerOf(pixel, index);
     Sample result = Sample(vec4(0.0f), vec4(0.0f), kNoTriangle, vec3(0.0f), vec3(0.0f), vec2(0.0f));
     Ray primary = pixelRay(pixel, random);
-    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0u, kNoTriangle, kNoMedia);
+    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia);
     pendingCount = 1u;
     while (pendingCount > 0u) {
         Pending current = pending[--pendingCount];

@@ -194,6 +194,7 @@ struct Pending {
     vec3 weight;
     float width;   // of what the pixel covers, at the origin
     float density; // with which the direction was chosen, where lights are chosen too; else 0
+    float gone;    // way since that choice: through what is clear it goes on
     uint depth;
     uint from; // triangle that it leaves; kNoTriangle at the eye
     uvec2 media;
@@ -222,18 +223,18 @@ real3 mirrored(real3 direction, Surface s, real3 normal) {
 Pending pending[kStackSize];
 uint pendingCount;
 
-void push(Pending from, Surface s, real3 direction, vec3 weight, float density, uvec2 media) {
-    pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, from.depth + 1u, s.triangle, media);
+void push(Pending from, Surface s, real3 direction, vec3 weight, float density, float gone, uvec2 media) {
+    pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, gone, from.depth + 1u, s.triangle, media);
 }
 
-// `from` is the ray as it came to the surface: its weight and its width are those there.
+// `from` is the ray as it came to the surface: its weight, its width and its way are those there.
 void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
     if (from.depth >= kMaxDepth || kMostChildren == 0u) return;
     vec2 chance = kMultisample ? pairOf(random, kPairRoulette, from.depth) : vec2(0.0f);
     vec3 rest = from.weight * s.opacity;
     if (kHasOpacity && s.opacity < 1.0f) {
         vec3 weight = from.weight - rest;
-        if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.media);
+        if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.gone, from.media);
     }
     real3 normal = s.normal;
     float kept = 1.0f; // of what facets reflect or let through, the part that others do not hide
@@ -259,14 +260,15 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
             weight *= s.baseColor;
             // The normal may bend a grazing ray back to its own side; it then goes straight on.
             real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
-            if (isTraced(weight, chance.y)) push(from, s, through, weight, 0.0f, mediaBehind(s, from.media));
+            // Shadow rays come this way too, if straight: what they count must not count again.
+            if (isTraced(weight, chance.y)) push(from, s, through, weight, from.density, from.gone, mediaBehind(s, from.media));
         }
     }
     if (!kHasReflection && !kHasTransmission) return;
     if (!c.rough) {
         mirrorWeight += facetWeight;
     } else if (isTraced(facetWeight, chance.x)) {
-        push(from, s, mirrored(from.direction, s, normal), facetWeight, density, from.media);
+        push(from, s, mirrored(from.direction, s, normal), facetWeight, density, 0.0f, from.media);
     }
-    if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, from.media);
+    if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, 0.0f, from.media);
 }
