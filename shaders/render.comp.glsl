@@ -56,8 +56,9 @@ void follow(Pending current, Sampler random, inout Sample result, inout WorkCoun
     Hit hit = trace(ray, false, work);
     bool missed = hit.triangle == kNoTriangle;
     if (kHasEmitters) {
-        Emitter emitter = emitterOnWay(ray, hit.t, current.gone);
-        if (emitter.t < hit.t) {
+        // A light in the plane of a surface is in front of it.
+        Emitter emitter = emitterOnWay(ray, hit.t * (1.0f + 1e-5f), current.gone);
+        if (emitter.radiance != vec3(0.0f)) {
             float share = current.density > 0.0f ? current.density / (current.density + emitter.density) : 1.0f;
             result.color.rgb += current.weight * passedBy(current.media, float(emitter.t)) * emitter.radiance * share;
             if (current.depth == 0u) result.color.a = 1.0f;

@@ -97,6 +97,9 @@ vec3 lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
     return vec3(0.0f);
 }
 
+// Part of the way to a light that shadow rays go: a light may lie in a surface, such as a ceiling, and still shine.
+const real kBeforeLight = 1.0f - 1e-4f;
+
 // A hit as lights and new rays see it.
 struct Scatter {
     vec3 diffuse; // albedo of the diffuse part
@@ -140,7 +143,7 @@ vec3 lightFrom(Surface s, Scatter c, Incident incident, uvec2 media, inout WorkC
     vec3 light = incident.radiance * reflectedLight(s, c, toLight, incident.density);
     if (!(largest(light) > 0.0f)) return vec3(0.0f);
     real3 origin = leaveSurface(s, real3(toLight));
-    Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, 1.0f);
+    Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, kBeforeLight);
     return light * lightAlong(ray, media, s.triangle, work);
 }
 
