@@ -77,7 +77,7 @@ void follow(Pending current, Sampler random, inout Sample result, inout WorkCoun
     current.weight *= passedBy(current.media, float(hit.t));
     Scatter c = scatterAt(s, current.direction, current.media);
     result.color.rgb += current.weight * s.opacity * localLight(s, c, current.media, random, current.depth, work);
-    if (!s.unlit) pushChildren(current, s, c, random);
+    pushChildren(current, s, c, random);
 }
 
 Sample renderSample(uvec2 pixel, uint index, inout WorkCounters work) {

@@ -239,6 +239,7 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
         vec3 weight = from.weight - rest;
         if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.gone, from.media);
     }
+    if (s.unlit) return;
     real3 normal = s.normal;
     float kept = 1.0f; // of what facets reflect or let through, the part that others do not hide
     float density = 0.0f;
