@@ -152,7 +152,9 @@ Incident fromEnvironment(Scatter c, Sampler random, uint depth) {
     vec2 u = pairOf(random, kPairEnvironment, depth);
     float density;
     vec3 direction;
-    if (pairOf(random, kPairEnvironmentKind, depth).x < 0.5f) {
+    bool byBrightness = u.x < 0.5f; // both halves of the pairs are spread evenly
+    u.x = 2.0f * u.x - (byBrightness ? 0.0f : 1.0f);
+    if (byBrightness) {
         direction = environmentDirection(u, density);
     } else {
         direction = frameAbout(c.normal) * onCosineHemisphere(u);
