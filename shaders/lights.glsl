@@ -75,7 +75,8 @@ struct Emitter {
     float density; // of the direction, for who chooses points on the light
 };
 
-Emitter rectangleOnWay(Ray ray, Light light, Emitter nearest) {
+// `gone`: how far the ray had come before its origin from where its direction was chosen.
+Emitter rectangleOnWay(Ray ray, Light light, float gone, Emitter nearest) {
     real facing = dot(ray.direction, real3(light.direction.xyz));
     if (!(facing < 0.0f)) return nearest;
     real t = dot(real3(light.position.xyz) - ray.origin, real3(light.direction.xyz)) / facing;
@@ -84,11 +85,11 @@ Emitter rectangleOnWay(Ray ray, Light light, Emitter nearest) {
     vec2 edges = vec2(dot(at, light.edgeU.xyz) / dot(light.edgeU.xyz, light.edgeU.xyz), dot(at, light.edgeV.xyz) / dot(light.edgeV.xyz, light.edgeV.xyz));
     if (max(abs(edges.x), abs(edges.y)) > 1.0f) return nearest;
     float speed = float(length(ray.direction));
-    float distance = float(t) * speed;
+    float distance = float(t) * speed + gone;
     return Emitter(t, light.intensity.rgb, distance * distance * speed / (float(-facing) * rectangleArea(light)));
 }
 
-Emitter sphereOnWay(Ray ray, Light light, Emitter nearest) {
+Emitter sphereOnWay(Ray ray, Light light, float gone, Emitter nearest) {
     real3 way = real3(light.position.xyz) - ray.origin;
     real squaredSpeed = dot(ray.direction, ray.direction), radius = real(light.position.w);
     real middle = dot(way, ray.direction) / squaredSpeed;
@@ -98,15 +99,16 @@ Emitter sphereOnWay(Ray ray, Light light, Emitter nearest) {
     if (!(inside > 0.0f) || squared <= radius * radius) return nearest;
     real t = middle - sqrt(inside);
     if (!(t > ray.tMin && t < nearest.t)) return nearest;
-    return Emitter(t, light.intensity.rgb, 1.0f / (2.0f * kPi * sphereCap(light.position.w, float(squared))));
+    vec3 wholeWay = vec3(way) + gone * vec3(normalize(ray.direction));
+    return Emitter(t, light.intensity.rgb, 1.0f / (2.0f * kPi * sphereCap(light.position.w, dot(wholeWay, wholeWay))));
 }
 
-Emitter emitterOnWay(Ray ray, real tMax) {
+Emitter emitterOnWay(Ray ray, real tMax, float gone) {
     Emitter nearest = Emitter(tMax, vec3(0.0f), 0.0f);
     if (kHasEmitters)
         for (uint i = 0u; i < grid.counts.w; ++i) {
-            if (isKind(lights[i], kLightRectangle)) nearest = rectangleOnWay(ray, lights[i], nearest);
-            if (isKind(lights[i], kLightSphere)) nearest = sphereOnWay(ray, lights[i], nearest);
+            if (isKind(lights[i], kLightRectangle)) nearest = rectangleOnWay(ray, lights[i], gone, nearest);
+            if (isKind(lights[i], kLightSphere)) nearest = sphereOnWay(ray, lights[i], gone, nearest);
         }
     return nearest;
 }

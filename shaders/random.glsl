@@ -47,8 +47,7 @@ const uint kPairFacet = 2u;
 const uint kPairRoulette = 3u;
 const uint kPairOcclusion = 4u;
 const uint kPairEnvironment = 5u;
-const uint kPairEnvironmentKind = 6u;
-const uint kPairLights = 7u; // and on: one for each light
+const uint kPairLights = 6u; // and on: one for each light
 const uint kPairsPerDepth = 1024u;
 
 vec2 pairOf(Sampler s, uint purpose, uint depth) {

@@ -45,9 +45,10 @@ float facetAlpha(Surface s) {
     return s.roughness * s.roughness;
 }
 
-float facetDensity(float alpha, float cosine) {
+// By the square of the sine to the normal: where alpha is small, the cosine's has no digits left for it.
+float facetDensity(float alpha, float sineSquared) {
     float square = alpha * alpha;
-    float d = cosine * cosine * (square - 1.0f) + 1.0f;
+    float d = sineSquared * (1.0f - square) + square;
     return square / (kPi * d * d);
 }
 
@@ -70,8 +71,8 @@ vec3 visibleFacet(float alpha, vec3 towards, vec2 u) {
 }
 
 // Of a direction that visibleFacet() and a reflection give.
-float reflectionDensity(float alpha, float cosTowards, float cosFacet) {
-    return facetDensity(alpha, cosFacet) / (4.0f * cosTowards * (1.0f + smithLambda(alpha, cosTowards)));
+float reflectionDensity(float alpha, float cosTowards, float sineSquaredOfFacet) {
+    return facetDensity(alpha, sineSquaredOfFacet) / (4.0f * cosTowards * (1.0f + smithLambda(alpha, cosTowards)));
 }
 
 // Unit vectors that make a right-handed frame with n (Duff et al. 2017).

@@ -58,8 +58,9 @@ void follow(Pending current, Sampler random, inout Sample result, inout WorkCoun
     Hit hit = trace(ray, false, work);
     bool missed = hit.triangle == kNoTriangle;
     if (kHasEmitters) {
-        Emitter emitter = emitterOnWay(ray, hit.t);
-        if (emitter.t < hit.t) {
+        // A light in the plane of a surface is in front of it.
+        Emitter emitter = emitterOnWay(ray, hit.t * (1.0f + 1e-5f), current.gone);
+        if (emitter.radiance != vec3(0.0f)) {
             float share = current.density > 0.0f ? current.density / (current.density + emitter.density) : 1.0f;
             result.color.rgb += current.weight * passedBy(current.media, float(emitter.t)) * emitter.radiance * share;
             if (current.depth == 0u) result.color.a = 1.0f;
@@ -72,12 +73,13 @@ void follow(Pending current, Sampler random, inout Sample result, inout WorkCoun
     }
     if (kCountWork && hit.triangle == current.from) work.selfHits += 1u;
     current.width += float(hit.t) * pixelSpread();
+    current.gone += float(hit.t);
     Surface s = surfaceAt(ray, hit, current.width);
     if (current.depth == 0u) recordPrimary(result, ray, hit, s);
     current.weight *= passedBy(current.media, float(hit.t));
     Scatter c = scatterAt(s, current.direction, current.media);
     result.color.rgb += current.weight * s.opacity * localLight(s, c, current.media, random, current.depth, work);
-    if (!s.unlit) pushChildren(current, s, c, random);
+    pushChildren(current, s, c, random);
 }
 
 // Sums over the samples of a pixel, and the sample that is being rendered.
@@ -122,7 +124,7 @@ void beginSample(inout PixelWork p) {
     p.random = samplerOf(p.pixel, p.index);
     p.one = Sample(vec4(0.0f), vec4(0.0f), kNoTriangle, vec3(0.0f), vec3(0.0f), vec2(0.0f));
     Ray primary = pixelRay(p.pixel, p.random);
-    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0u, kNoTriangle, kNoMedia);
+    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia);
     pendingCount = 1u;
 }
 

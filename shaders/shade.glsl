@@ -28,17 +28,19 @@ float indexOf(uint medium) {
     return medium == 0xFFFFu ? 1.0f : materials[medium].transmission.y;
 }
 
+uvec2 mediaBehind(Surface s, uvec2 media) {
+    if (!kHasTransmission || s.thin) return media;
+    return s.entering ? afterEntering(media, s.material) : afterLeaving(media, s.material);
+}
+
 // Index of refraction on the ray's side of the surface / on the other side.
 float indexRatio(Surface s, uvec2 media) {
     if (!kHasTransmission && !kHasReflection) return 1.0f;
     float own = materials[s.material].transmission.y;
     if (!kHasTransmission || s.thin || s.transmission == 0.0f) return 1.0f / own;
-    return s.entering ? indexOf(innermost(media)) / own : own / indexOf(innermost(afterLeaving(media, s.material)));
-}
-
-uvec2 mediaBehind(Surface s, uvec2 media) {
-    if (!kHasTransmission || s.thin) return media;
-    return s.entering ? afterEntering(media, s.material) : afterLeaving(media, s.material);
+    // A ray that has entered nothing and leaves a solid has begun in it.
+    bool began = !s.entering && innermost(media) == 0xFFFFu;
+    return (began ? own : indexOf(innermost(media))) / indexOf(innermost(mediaBehind(s, media)));
 }
 
 // Of white light after a way through the media, in atlas units (Beer 1852).
@@ -54,11 +56,13 @@ float largest(vec3 v) {
     return max(v.x, max(v.y, v.z));
 }
 
-// How much light goes straight through a surface that shadows fall from.
+// How much light goes straight through a surface that shadows fall from. The angle is the one on the side of the lower index:
+// so panes let through what they do, where light that really went straight would be reflected totally inside.
 vec3 shadowTint(Surface s, real3 direction, uvec2 media) {
     float cosine = float(abs(dot(s.normal, normalize(direction))));
+    float eta = indexRatio(s, media);
     vec3 glass = kHasTransmission && s.transmission > 0.0f
-                     ? enteringPart(s, cosine, indexRatio(s, media)) * s.transmission * s.baseColor
+                     ? enteringPart(s, cosine, min(eta, 1.0f / eta)) * s.transmission * s.baseColor
                      : vec3(0.0f);
     return vec3(1.0f - s.opacity) + s.opacity * glass;
 }
@@ -93,6 +97,9 @@ vec3 lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
     return vec3(0.0f);
 }
 
+// Part of the way to a light that shadow rays go: a light may lie in a surface, such as a ceiling, and still shine.
+const real kBeforeLight = 1.0f - 1e-4f;
+
 // A hit as lights and new rays see it.
 struct Scatter {
     vec3 diffuse; // albedo of the diffuse part
@@ -123,10 +130,11 @@ vec3 reflectedLight(Surface s, Scatter c, vec3 toLight, float density) {
     vec3 light = c.diffuse * (cosLight / kPi);
     if (!c.rough) return light;
     vec3 facet = normalize(c.view + toLight);
-    float cosFacet = dot(c.normal, facet);
+    vec3 aside = cross(c.normal, facet);
+    float sineSquared = dot(aside, aside);
     float shadowing = 1.0f / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight));
-    float lobe = facetDensity(c.alpha, cosFacet) * shadowing / (4.0f * c.cosView);
-    float share = density > 0.0f ? density / (density + reflectionDensity(c.alpha, c.cosView, cosFacet)) : 1.0f;
+    float lobe = facetDensity(c.alpha, sineSquared) * shadowing / (4.0f * c.cosView);
+    float share = density > 0.0f ? density / (density + reflectionDensity(c.alpha, c.cosView, sineSquared)) : 1.0f;
     return light + (1.0f - s.mirror) * reflectedPart(s, dot(c.view, facet), c.eta) * (lobe * share);
 }
 
@@ -135,7 +143,7 @@ vec3 lightFrom(Surface s, Scatter c, Incident incident, uvec2 media, inout WorkC
     vec3 light = incident.radiance * reflectedLight(s, c, toLight, incident.density);
     if (!(largest(light) > 0.0f)) return vec3(0.0f);
     real3 origin = leaveSurface(s, real3(toLight));
-    Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, 1.0f);
+    Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, kBeforeLight);
     return light * lightAlong(ray, media, s.triangle, work);
 }
 
@@ -144,7 +152,9 @@ Incident fromEnvironment(Scatter c, Sampler random, uint depth) {
     vec2 u = pairOf(random, kPairEnvironment, depth);
     float density;
     vec3 direction;
-    if (pairOf(random, kPairEnvironmentKind, depth).x < 0.5f) {
+    bool byBrightness = u.x < 0.5f; // both halves of the pairs are spread evenly
+    u.x = 2.0f * u.x - (byBrightness ? 0.0f : 1.0f);
+    if (byBrightness) {
         direction = environmentDirection(u, density);
     } else {
         direction = frameAbout(c.normal) * onCosineHemisphere(u);
@@ -189,6 +199,7 @@ struct Pending {
     vec3 weight;
     float width;   // of what the pixel covers, at the origin
     float density; // with which the direction was chosen, where lights are chosen too; else 0
+    float gone;    // way since that choice: through what is clear it goes on
     uint depth;
     uint from; // triangle that it leaves; kNoTriangle at the eye
     uvec2 media;
@@ -217,19 +228,20 @@ real3 mirrored(real3 direction, Surface s, real3 normal) {
 Pending pending[kStackSize];
 uint pendingCount;
 
-void push(Pending from, Surface s, real3 direction, vec3 weight, float density, uvec2 media) {
-    pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, from.depth + 1u, s.triangle, media);
+void push(Pending from, Surface s, real3 direction, vec3 weight, float density, float gone, uvec2 media) {
+    pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, gone, from.depth + 1u, s.triangle, media);
 }
 
-// `from` is the ray as it came to the surface: its weight and its width are those there.
+// `from` is the ray as it came to the surface: its weight, its width and its way are those there.
 void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
     if (from.depth >= kMaxDepth || kMostChildren == 0u) return;
     vec2 chance = kMultisample ? pairOf(random, kPairRoulette, from.depth) : vec2(0.0f);
     vec3 rest = from.weight * s.opacity;
     if (kHasOpacity && s.opacity < 1.0f) {
         vec3 weight = from.weight - rest;
-        if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.media);
+        if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.gone, from.media);
     }
+    if (s.unlit) return;
     real3 normal = s.normal;
     float kept = 1.0f; // of what facets reflect or let through, the part that others do not hide
     float density = 0.0f;
@@ -238,7 +250,7 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
         vec3 view = transpose(frame) * c.view;
         vec3 facet = visibleFacet(c.alpha, vec3(view.xy, max(view.z, 1e-4f)), pairOf(random, kPairFacet, from.depth));
         normal = real3(frame * facet);
-        density = reflectionDensity(c.alpha, c.cosView, facet.z);
+        density = reflectionDensity(c.alpha, c.cosView, dot(facet.xy, facet.xy));
         float cosLight = reflect(-view, facet).z;
         kept = cosLight > 0.0f ? (1.0f + smithLambda(c.alpha, c.cosView)) / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight)) : 0.0f;
     }
@@ -254,14 +266,15 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
             weight *= s.baseColor;
             // The normal may bend a grazing ray back to its own side; it then goes straight on.
             real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
-            if (isTraced(weight, chance.y)) push(from, s, through, weight, 0.0f, mediaBehind(s, from.media));
+            // Shadow rays come this way too, if straight: what they count must not count again.
+            if (isTraced(weight, chance.y)) push(from, s, through, weight, from.density, from.gone, mediaBehind(s, from.media));
         }
     }
     if (!kHasReflection && !kHasTransmission) return;
     if (!c.rough) {
         mirrorWeight += facetWeight;
     } else if (isTraced(facetWeight, chance.x)) {
-        push(from, s, mirrored(from.direction, s, normal), facetWeight, density, from.media);
+        push(from, s, mirrored(from.direction, s, normal), facetWeight, density, 0.0f, from.media);
     }
-    if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, from.media);
+    if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, 0.0f, from.media);
 }

@@ -121,6 +121,45 @@ TEST_F(Lighting, ASphereLightsAPlaneAsItsSolidAngleWeighedByTheCosineSays) {
     }
 }
 
+// As lamps that are part of a ceiling are.
+TEST_F(Lighting, ARectangleInThePlaneOfASurfaceIsSeenAndShines) {
+    const glm::dvec2 half(0.7, 0.4);
+    const double height = 1.7;
+    for (const float tilt : {0.0f, 0.3f}) { // all of it turned about the x axis, so that numbers are rounded
+        const glm::vec3 y(0, std::cos(tilt), std::sin(tilt)), z(0, -std::sin(tilt), std::cos(tilt));
+        const auto turned = [&](Mesh mesh) {
+            std::vector<glm::vec3> positions, normals;
+            for (const glm::vec3& p : mesh.positions)
+                positions.push_back(glm::vec3(p.x, 0, 0) + y * p.y + z * p.z);
+            for (const glm::vec3& n : mesh.normals)
+                normals.push_back(glm::vec3(n.x, 0, 0) + y * n.y + z * n.z);
+            mesh.positions = std::move(positions);
+            mesh.normals = std::move(normals);
+            return mesh;
+        };
+        Light light = rectangleAbove(z * float(height), float(half.x), 0);
+        light.direction = glm::vec4(-z, 0);
+        light.edgeV = glm::vec4(y * float(half.y), 0);
+        SceneSettings settings;
+        settings.lights = {light};
+        settings.multisample = true;
+        const SceneOnGpu scene(
+            *context,
+            test::joinedParts({{turned(test::makeFloor({-4, -4}, {4, 4}, 0)), test::matt(float(kAlbedo))},
+                               {turned(test::makeFloor({-4, -3}, {4, 4}, float(height))), test::matt(0.5f)}}),
+            settings);
+        for (const double x : {0.0, 0.5, 2.0}) {
+            const glm::dvec3 point = glm::dvec3(x, 0, 0) + glm::dvec3(y) * 0.3;
+            const glm::dvec2 lo(-half.x - x, -half.y - 0.3), hi(half.x - x, half.y - 0.3);
+            EXPECT_TRUE(isNear(seen(scene, point, kManySamples),
+                               kColor * (kAlbedo * rectangleFactor(lo, hi, height)), kSampled))
+                << "tilt " << tilt << ", x " << x;
+            const glm::dvec3 lamp = glm::dvec3(z) * height + glm::dvec3(0.6, 0, 0) - glm::dvec3(y) * 0.35;
+            EXPECT_TRUE(isNear(scene.radiance(point + glm::dvec3(z) * 0.2, lamp), kColor, kExact));
+        }
+    }
+}
+
 TEST_F(Lighting, ARectangleIsSeenFromItsFrontOnlyASphereFromOutside) {
     const SceneOnGpu rectangle = floorUnder(rectangleAbove({0, 0, 2}, 0.5f, 0.25f));
     EXPECT_TRUE(isNear(rectangle.radiance({0, 0, 1}, {0.49, 0.24, 2}), kColor, kExact));
