@@ -1,7 +1,12 @@
 #pragma once
+#include "common/memory_limit.h"
+
 #include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -35,11 +40,22 @@ std::span<const std::byte> bytesOf(std::span<const T> values) {
     return std::as_bytes(values);
 }
 
-/// Maps a file read-only; "-" reads standard input into memory.
-/// Throws Error{FileAccess} if it cannot be opened or is a directory. If the file shrinks while it is mapped,
+/// How far to read a stream, which may have no end: standard input, a pipe or a device.
+struct StreamRule {
+    std::size_t headBytes = 0;
+    /// Is given the first headBytes, or all if there are fewer. Throws if the rest is not worth reading.
+    /// Returns how long the stream should be; nothing where that is not known.
+    std::function<std::optional<std::uint64_t>(std::span<const std::byte> head)> lengthOf;
+    std::optional<MemoryLimit> memory; ///< nothing: defaultMemoryLimit()
+};
+
+/// Maps a file read-only; "-" reads standard input into memory, as other streams are. Of a stream that is
+/// longer than rule.lengthOf() says, one byte more is read, to show that.
+/// Throws Error{FileAccess} if it cannot be opened or is a directory, Error{LimitExceeded} if a stream, or
+/// what lengthOf() says of it, exceeds rule.memory. If the file shrinks while it is mapped,
 /// reading the lost part raises SIGBUS, for which runTool() ends the program with the exit code of
 /// FileAccess.
-SharedSpan<std::byte> readFile(const std::string& path);
+SharedSpan<std::byte> readFile(const std::string& path, const StreamRule& rule = {});
 
 /// Writes the file whole or not at all: an unnamed (or, where the system has none, a temporary) file beside
 /// it is written, synced and renamed over it. A replaced file's permissions stay. A file that already holds

@@ -68,7 +68,7 @@ void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& 
     app.add_flag("-q,--quiet", options.quiet, "Print errors only");
     app.add_flag("-v,--verbose", options.verbose, "Print details of each stage");
     app.add_option("-j,--threads", options.threads, "Threads to use; 0 = all. Outputs do not depend on it")
-        ->check(CLI::Range(0, 4096))
+        ->check(numberBetween(0, 4096))
         ->type_name("N");
     app.add_option("--json", options.jsonPath, "Write the figures as JSON; - for standard output")
         ->type_name("FILE");
@@ -76,6 +76,16 @@ void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& 
 
 void addDepfileOption(CLI::App& app, CommonOptions& options) {
     app.add_option("--depfile", options.depfilePath, "Write a Make/Ninja dependency file")->type_name("FILE");
+}
+
+CLI::Validator numberBetween(double low, double high) {
+    const auto faultOf = [low, high](const std::string& text) -> std::string {
+        double value = 0.0;
+        if (!CLI::detail::lexical_cast(text, value)) return fmt::format("{} is not a number", text);
+        if (value >= low && value <= high) return {};
+        return fmt::format("{} is not between {} and {}", text, low, high);
+    };
+    return {faultOf, fmt::format("in [{} - {}]", low, high)};
 }
 
 bool parseCommandLine(CLI::App& app, int argc, const char* const* argv, const CommonOptions& options) {

@@ -4,7 +4,8 @@
 
 namespace CLI {
 class App;
-}
+class Validator;
+} // namespace CLI
 
 namespace rt {
 
@@ -22,6 +23,10 @@ void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& 
 
 /// Adds --depfile, for the tools that read other files than the ones named on the command line.
 void addDepfileOption(CLI::App& app, CommonOptions& options);
+
+/// For CLI::Option::check(): a number from `low` to `high`, with messages that tell other text from numbers
+/// out of range.
+CLI::Validator numberBetween(double low, double high);
 
 /// Parses argv. Returns false when --help or --version was asked for and printed.
 /// Throws Error{Usage} for anything that does not parse, an empty argument included.

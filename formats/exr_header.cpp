@@ -33,9 +33,9 @@ public:
 
 private:
     void requireSinglePart() {
-        constexpr std::uint32_t kMagic = 20000630, kVersion = 2;
+        requireExrMagic(file_, name_);
+        constexpr std::uint32_t kVersion = 2;
         constexpr std::uint32_t kTiled = 0x200, kLongNames = 0x400, kDeep = 0x800, kMultiPart = 0x1000;
-        if (file_.size() < 8 || number(0) != kMagic) throwInvalid(name_, "is not an OpenEXR file");
         const std::uint32_t version = number(4);
         if ((version & 0xffu) != kVersion)
             throwInvalid(name_,
@@ -134,6 +134,13 @@ private:
 };
 
 } // namespace
+
+void requireExrMagic(std::span<const std::byte> bytes, const std::string& name) {
+    constexpr std::uint32_t kMagic = 20000630;
+    std::uint32_t magic = 0;
+    if (bytes.size() >= kExrStartBytes) std::memcpy(&magic, bytes.data(), sizeof magic);
+    if (magic != kMagic) throwInvalid(name, "is not an OpenEXR file");
+}
 
 std::vector<std::byte> safeExrHeader(std::span<const std::byte> file, const std::string& name) {
     return HeaderWalk(file, name).patched();

@@ -276,7 +276,12 @@ Image decodeExr(std::span<const std::byte> bytes, const std::string& name) {
 }
 
 Image readExr(const std::string& path) {
-    return decodeExr(readFile(path), path == "-" ? "standard input" : path);
+    const std::string name = path == "-" ? "standard input" : path;
+    const auto refuseOthers = [&](std::span<const std::byte> head) -> std::optional<std::uint64_t> {
+        requireExrMagic(head, name);
+        return std::nullopt;
+    };
+    return decodeExr(readFile(path, {kExrStartBytes, refuseOthers, {}}), name);
 }
 
 } // namespace rt

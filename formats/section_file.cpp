@@ -77,8 +77,12 @@ void SectionFileWriter::write(const std::string& path) const {
     writeFile(path, chunks);
 }
 
-SectionFile::SectionFile(const std::string& path, const FileKind& kind)
-    : path_(path), storage_(std::make_shared<const SharedSpan<std::byte>>(readFile(path))) {
+SectionFile::SectionFile(const std::string& path, const FileKind& kind) : path_(path) {
+    // An endless stream is refused by its first bytes, or where the file should have ended.
+    const StreamRule rule{sizeof(FileHeader),
+                          [&](std::span<const std::byte> head) { return headerOf(head, kind).fileBytes; },
+                          {}};
+    storage_ = std::make_shared<const SharedSpan<std::byte>>(readFile(path, rule));
     readHeader(kind);
     checkSections();
 }
@@ -87,8 +91,7 @@ void SectionFile::fail(const std::string& what) const {
     throw Error(ErrorKind::InvalidContent, path_ + ": " + what);
 }
 
-void SectionFile::readHeader(const FileKind& kind) {
-    const SharedSpan<std::byte>& bytes = *storage_;
+FileHeader SectionFile::headerOf(std::span<const std::byte> bytes, const FileKind& kind) const {
     FileHeader header{};
     if (bytes.size() < sizeof(header))
         fail(fmt::format("{} bytes are too few for a {} file", bytes.size(), kind.name));
@@ -99,9 +102,18 @@ void SectionFile::readHeader(const FileKind& kind) {
         fail(
             fmt::format("{} version {}.{} cannot be read by this tool, which reads {}.x; make the file again",
                         kind.name, header.major, header.minor, kind.major));
-    if (header.fileBytes != bytes.size())
-        fail(fmt::format("is {} bytes long, but its header says {}; it was cut short or added to",
-                         bytes.size(), header.fileBytes));
+    return header;
+}
+
+void SectionFile::readHeader(const FileKind& kind) {
+    const SharedSpan<std::byte>& bytes = *storage_;
+    const FileHeader header = headerOf(bytes, kind);
+    if (header.fileBytes < bytes.size())
+        fail(fmt::format("is longer than the {} bytes that its header says; it was added to",
+                         header.fileBytes));
+    if (header.fileBytes > bytes.size())
+        fail(fmt::format("is {} bytes long, but its header says {}; it was cut short", bytes.size(),
+                         header.fileBytes));
     if (header.sectionCount > kMaxSections || header.tableOffset != sizeof(header) ||
         sizeof(header) + header.sectionCount * sizeof(SectionEntry) > bytes.size())
         fail(fmt::format("its section table ({} entries at byte {}) does not fit", header.sectionCount,

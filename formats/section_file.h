@@ -80,7 +80,8 @@ private:
 /// the spans it hands out are safe to read; verify() tells whether to believe them.
 class SectionFile {
 public:
-    /// Throws Error{FileAccess} or Error{InvalidContent}; messages name the file.
+    /// Of a stream no more is read than its header says. Throws Error{FileAccess}, Error{InvalidContent}, or
+    /// Error{LimitExceeded} if a stream does not fit into memory; messages name the file.
     SectionFile(const std::string& path, const FileKind& kind);
 
     /// The section's elements; empty if it is absent. Throws Error{InvalidContent} if its element size is not
@@ -114,6 +115,7 @@ private:
     const SectionEntry* find(std::uint32_t id) const;
     std::span<const std::byte> getBytes(std::uint32_t id, std::uint32_t elementBytes) const;
     void requireCount(std::uint32_t id, std::uint64_t found, std::uint64_t wanted) const;
+    FileHeader headerOf(std::span<const std::byte> bytes, const FileKind& kind) const;
     void readHeader(const FileKind& kind);
     void checkSections() const;
     void checkHashes() const;

@@ -92,7 +92,7 @@ const bool kAnyHit = RT_ANY_HIT != 0;
 const bool kScatteredRays = RT_SCATTERED_RAYS != 0; // the host then takes query_scattered.comp.glsl
 const bool kSubgroups = RT_SUBGROUPS != 0;
 const bool kSoftware = RT_SOFTWARE != 0;
-const bool kCountWork = RT_COUNT_WORK != 0;
+const bool kCountWork = RT_COUNT_WORK != 0 || RT_HAS_AOVS != 0;
 const bool kHasSlivers = RT_HAS_SLIVERS != 0;
 const bool kHasTextures = RT_HAS_TEXTURES != 0;
 const bool kHasNormalImages = RT_HAS_NORMAL_IMAGES != 0;

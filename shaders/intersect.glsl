@@ -146,7 +146,7 @@ Hit intersectTransformed(Ray ray, RealTransform triangle, uint id, Hit best) {
 #include "shaders/sliver.glsl"
 
 // The test that this variant was compiled for.
-Hit intersectEntry(Ray ray, RayShear shear, uint id, Hit best) {
+Hit intersectShape(Ray ray, RayShear shear, uint id, Hit best) {
 #if RT_INTERSECT == 2 // kIntersectBaldwinWeber: loadTransform() exists
     return intersectTransformed(ray, loadTransform(id), id, best);
 #else
@@ -155,4 +155,15 @@ Hit intersectEntry(Ray ray, RayShear shear, uint id, Hit best) {
     if (kHasSlivers && triangle.v1.w != 0.0f) return intersectSliver(ray, shear, triangle, best);
     return intersectTriangle(ray, shear, triangle, best);
 #endif
+}
+
+#ifndef RT_KNOWS_CUTOUTS // texture.glsl, where surfaces are shaded
+bool isCutOut(Hit hit) {
+    return false;
+}
+#endif
+
+Hit intersectEntry(Ray ray, RayShear shear, uint id, Hit best) {
+    Hit found = intersectShape(ray, shear, id, best);
+    return kHasCutouts && found.triangle != best.triangle && isCutOut(found) ? best : found;
 }

@@ -1,3 +1,5 @@
+const float kPi = 3.14159265f;
+
 // Rays and hits in atlas space.
 struct Ray {
     real3 origin;

@@ -1,72 +1,267 @@
 // Light at a hit, and the rays that go on from it (Whitted 1980).
-const float kPi = 3.14159265f;
-const float kLeastWeight = 1e-3f; // rays whose light counts less than this in the pixel are not traced
+const float kLeastWeight = 1e-3f;    // rays whose light counts less than this in the pixel are not traced
+const float kRouletteWeight = 0.05f; // of several samples, those that count less than this are traced now and then, and count more
 
-// Radiance that one light sends through the surface to the eye; black if the light is hidden. Transmissive surfaces
-// hide it too.
-vec3 directLight(Surface s, Light light, inout WorkCounters work) {
-    real3 toLight = light.position.xyz - s.position;
-    real squaredDistance = dot(toLight, toLight);
-    real cosine = dot(s.normal, toLight) * inversesqrt(squaredDistance);
-    if (!(cosine > 0.0f) || dot(s.geometricNormal, toLight) <= 0.0f) return vec3(0.0f);
-    real3 origin = leaveSurface(s, toLight);
-    Hit blocker = trace(Ray(origin, light.position.xyz - origin, 0.0f, 1.0f), true, work);
-    if (kCountWork && blocker.triangle == s.triangle) work.selfHits += 1u;
-    if (blocker.triangle != kNoTriangle) return vec3(0.0f);
-    return s.albedo * light.intensity.rgb * float(cosine / (kPi * squaredDistance));
+// Materials that a ray is in, the last entered first: four numbers of 16 bits. Where solids overlap or touch, the last
+// one entered is the one that counts.
+const uvec2 kNoMedia = uvec2(0xFFFFFFFFu);
+
+uint innermost(uvec2 media) {
+    return media.x & 0xFFFFu;
 }
 
-vec3 localLight(Surface s, inout WorkCounters work) {
-    float diffuse = max(1.0f - s.reflectivity - s.transmission, 0.0f);
-    vec3 color = s.emission;
-    if (diffuse > 0.0f) {
-        vec3 received = s.albedo * picture.ambient.rgb;
-        if (kHasLights)
-            for (uint i = 0u; i < grid.counts.w; ++i) received += directLight(s, lights[i], work);
-        color += diffuse * received;
+uvec2 afterEntering(uvec2 media, uint material) {
+    return uvec2((media.x << 16) | (material & 0xFFFFu), (media.y << 16) | (media.x >> 16));
+}
+
+uvec2 afterLeaving(uvec2 media, uint material) {
+    uvec4 list = uvec4(media.x & 0xFFFFu, media.x >> 16, media.y & 0xFFFFu, media.y >> 16);
+    uint id = material & 0xFFFFu;
+    if (list.x == id) list = uvec4(list.yzw, 0xFFFFu);
+    else if (list.y == id) list = uvec4(list.x, list.zw, 0xFFFFu);
+    else if (list.z == id) list = uvec4(list.xy, list.w, 0xFFFFu);
+    else if (list.w == id) list.w = 0xFFFFu;
+    return uvec2(list.x | (list.y << 16), list.z | (list.w << 16));
+}
+
+float indexOf(uint medium) {
+    return medium == 0xFFFFu ? 1.0f : materials[medium].transmission.y;
+}
+
+// Index of refraction on the ray's side of the surface / on the other side.
+float indexRatio(Surface s, uvec2 media) {
+    if (!kHasTransmission && !kHasReflection) return 1.0f;
+    float own = materials[s.material].transmission.y;
+    if (!kHasTransmission || s.thin || s.transmission == 0.0f) return 1.0f / own;
+    return s.entering ? indexOf(innermost(media)) / own : own / indexOf(innermost(afterLeaving(media, s.material)));
+}
+
+uvec2 mediaBehind(Surface s, uvec2 media) {
+    if (!kHasTransmission || s.thin) return media;
+    return s.entering ? afterEntering(media, s.material) : afterLeaving(media, s.material);
+}
+
+// Of white light after a way through the media, in atlas units (Beer 1852).
+vec3 passedBy(uvec2 media, float way) {
+    uint medium = innermost(media);
+    if (!kHasAttenuation || medium == 0xFFFFu) return vec3(1.0f);
+    Material m = materials[medium];
+    if (m.transmission.z == 0.0f) return vec3(1.0f);
+    return pow(max(m.attenuation.rgb, vec3(1e-6f)), vec3(way / (m.transmission.z * grid.worldOffset.w)));
+}
+
+float largest(vec3 v) {
+    return max(v.x, max(v.y, v.z));
+}
+
+// How much light goes straight through a surface that shadows fall from.
+vec3 shadowTint(Surface s, real3 direction, uvec2 media) {
+    float cosine = float(abs(dot(s.normal, normalize(direction))));
+    vec3 glass = kHasTransmission && s.transmission > 0.0f
+                     ? enteringPart(s, cosine, indexRatio(s, media)) * s.transmission * s.baseColor
+                     : vec3(0.0f);
+    return vec3(1.0f - s.opacity) + s.opacity * glass;
+}
+
+// The part of light that comes along a shadow ray; what is clear tints it, without bending it.
+vec3 lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
+    if (!kHasTransmission && !kHasOpacity) {
+        Hit blocker = trace(ray, true, work);
+        if (kCountWork && blocker.triangle == from) work.selfHits += 1u;
+        return blocker.triangle == kNoTriangle ? vec3(1.0f) : vec3(0.0f);
     }
-    return color;
+    vec3 left = vec3(1.0f);
+    float speed = float(length(ray.direction));
+    real3 target = ray.origin + ray.direction; // where tMax is 1
+    for (uint i = 0u; i < 64u; ++i) {
+        Hit hit = trace(ray, false, work);
+        if (kCountWork && i == 0u && hit.triangle == from) work.selfHits += 1u;
+        bool through = hit.triangle == kNoTriangle;
+        if (through && ray.tMax > 1e20f) return left;
+        left *= passedBy(media, float(hit.t) * speed);
+        if (through) return left;
+        Surface s = surfaceAt(ray, hit, 0.0f);
+        left *= shadowTint(s, ray.direction, media);
+        if (largest(left) < kLeastWeight) return vec3(0.0f);
+        if (s.transmission > 0.0f) media = mediaBehind(s, media);
+        ray.origin = leaveSurface(s, ray.direction);
+        if (ray.tMax <= 1.0f) { // the rest of the way to the light
+            ray.direction = target - ray.origin;
+            speed = float(length(ray.direction));
+        }
+    }
+    return vec3(0.0f);
+}
+
+// A hit as lights and new rays see it.
+struct Scatter {
+    vec3 diffuse; // albedo of the diffuse part
+    vec3 view;    // unit, to where the ray came from
+    vec3 normal;
+    float cosView;
+    float eta;
+    bool rough;
+    float alpha;
+};
+
+Scatter scatterAt(Surface s, real3 direction, uvec2 media) {
+    Scatter c;
+    c.view = -vec3(normalize(direction));
+    c.normal = vec3(s.normal);
+    c.cosView = max(dot(c.normal, c.view), 1e-4f);
+    c.eta = indexRatio(s, media);
+    c.rough = isRough(s);
+    c.alpha = facetAlpha(s);
+    c.diffuse = s.baseColor * (enteringPart(s, c.cosView, c.eta) * (1.0f - s.transmission));
+    return c;
+}
+
+// Of light of radiance 1 from `toLight`, unit length; it is chosen with `density`, and by reflected rays too.
+vec3 reflectedLight(Surface s, Scatter c, vec3 toLight, float density) {
+    float cosLight = dot(c.normal, toLight);
+    if (!(cosLight > 0.0f) || !(dot(vec3(s.geometricNormal), toLight) > 0.0f)) return vec3(0.0f);
+    vec3 light = c.diffuse * (cosLight / kPi);
+    if (!c.rough) return light;
+    vec3 facet = normalize(c.view + toLight);
+    float cosFacet = dot(c.normal, facet);
+    float shadowing = 1.0f / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight));
+    float lobe = facetDensity(c.alpha, cosFacet) * shadowing / (4.0f * c.cosView);
+    float share = density > 0.0f ? density / (density + reflectionDensity(c.alpha, c.cosView, cosFacet)) : 1.0f;
+    return light + (1.0f - s.mirror) * reflectedPart(s, dot(c.view, facet), c.eta) * (lobe * share);
+}
+
+vec3 lightFrom(Surface s, Scatter c, Incident incident, uvec2 media, inout WorkCounters work) {
+    vec3 toLight = vec3(normalize(incident.endless ? incident.target : incident.target - s.position));
+    vec3 light = incident.radiance * reflectedLight(s, c, toLight, incident.density);
+    if (!(largest(light) > 0.0f)) return vec3(0.0f);
+    real3 origin = leaveSurface(s, real3(toLight));
+    Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, 1.0f);
+    return light * lightAlong(ray, media, s.triangle, work);
+}
+
+// From the environment: half of the directions by where it is bright, half by how a diffuse surface sees it (Veach & Guibas 1995).
+Incident fromEnvironment(Scatter c, Sampler random, uint depth) {
+    vec2 u = pairOf(random, kPairEnvironment, depth);
+    float density;
+    vec3 direction;
+    if (pairOf(random, kPairEnvironmentKind, depth).x < 0.5f) {
+        direction = environmentDirection(u, density);
+    } else {
+        direction = frameAbout(c.normal) * onCosineHemisphere(u);
+        density = environmentDensity(direction);
+    }
+    float both = 0.5f * (density + max(dot(c.normal, direction), 0.0f) / kPi);
+    if (!(both > 0.0f)) return kDark;
+    // Reflected rays know the first density only.
+    return Incident(real3(direction), true, environmentRadiance(direction) / both, max(density, 1e-20f));
+}
+
+float ambientLeft(Surface s, Scatter c, Sampler random, uint depth, inout WorkCounters work) {
+    if (!kHasOcclusion) return 1.0f;
+    real3 direction = real3(frameAbout(c.normal) * onCosineHemisphere(pairOf(random, kPairOcclusion, depth)));
+    if (dot(direction, s.geometricNormal) <= 0.0f) return 0.0f;
+    Ray ray = Ray(leaveSurface(s, direction), direction, 0.0f, real(picture.ambient.w));
+    return trace(ray, true, work).triangle == kNoTriangle ? 1.0f : 0.0f;
+}
+
+// All light that the surface sends back of itself, and of what comes straight from lights.
+vec3 localLight(Surface s, Scatter c, uvec2 media, Sampler random, uint depth, inout WorkCounters work) {
+    if (s.unlit) return s.baseColor;
+    vec3 light = s.emission;
+    bool scatters = largest(c.diffuse) > 0.0f;
+    if (!scatters && !c.rough) return light;
+    if (scatters && largest(picture.ambient.rgb) > 0.0f)
+        light += c.diffuse * picture.ambient.rgb * ambientLeft(s, c, random, depth, work);
+    uint count = kLightCount == 1u ? 1u : grid.counts.w;
+    if (kHasLights)
+        for (uint i = 0u; i < count; ++i) {
+            vec2 u = kHasEmitters ? pairOf(random, kPairLights + i, depth) : vec2(0.5f);
+            light += lightFrom(s, c, incidentFrom(lights[i], s.position, u), media, work);
+        }
+    if (kHasEnvironment) light += lightFrom(s, c, fromEnvironment(c, random, depth), media, work);
+    return light;
 }
 
 // A ray that waits to be traced, and how much its light counts in the pixel.
 struct Pending {
     real3 origin;
-    real3 direction;
+    real3 direction; // unit length
     vec3 weight;
+    float width;   // of what the pixel covers, at the origin
+    float density; // with which the direction was chosen, where lights are chosen too; else 0
     uint depth;
     uint from; // triangle that it leaves; kNoTriangle at the eye
+    uvec2 media;
 };
 
-// Each hit takes one ray off the stack and puts at most two on it, each one deeper.
-const uint kStackSize = kHasReflection && kHasTransmission ? kMaxDepth + 1u : 1u;
+// Each hit takes one ray off the stack and puts at most so many on it, each one deeper.
+const uint kMostChildren = uint(kHasReflection || kHasTransmission) + uint(kHasReflection && kHasRoughness) + uint(kHasTransmission) + uint(kHasOpacity);
+const uint kStackSize = kMostChildren > 1u ? (kMostChildren - 1u) * kMaxDepth + 1u : 1u;
 
-bool counts(vec3 weight) {
-    return max(weight.x, max(weight.y, weight.z)) >= kLeastWeight;
+// Whether a ray of that weight is traced; it may then count for others that are not.
+bool isTraced(inout vec3 weight, float u) {
+    float most = largest(weight);
+    if (!kMultisample || most >= kRouletteWeight) return most >= kLeastWeight;
+    if (!(u * kRouletteWeight < most)) return false;
+    weight *= kRouletteWeight / most;
+    return true;
 }
 
-// The mirrored ray must stay on the surface's side even where the interpolated normal leans over.
-real3 mirrored(real3 direction, Surface s) {
-    real3 r = reflect(direction, s.normal);
+// The mirrored ray must stay on the surface's side even where the normal leans over.
+real3 mirrored(real3 direction, Surface s, real3 normal) {
+    real3 r = reflect(direction, normal);
     return dot(r, s.geometricNormal) > 0.0f ? r : reflect(direction, s.geometricNormal);
 }
 
-void pushChildren(Pending from, Surface s, inout Pending stack[kStackSize], inout uint stackCount) {
-    if (from.depth >= kMaxDepth) return;
-    vec3 reflectedWeight = from.weight * s.reflectivity;
+// Rays of the sample that is being rendered. Not an argument: compilers would copy them in and out.
+Pending pending[kStackSize];
+uint pendingCount;
+
+void push(Pending from, Surface s, real3 direction, vec3 weight, float density, uvec2 media) {
+    pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, from.depth + 1u, s.triangle, media);
+}
+
+// `from` is the ray as it came to the surface: its weight and its width are those there.
+void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
+    if (from.depth >= kMaxDepth || kMostChildren == 0u) return;
+    vec2 chance = kMultisample ? pairOf(random, kPairRoulette, from.depth) : vec2(0.0f);
+    vec3 rest = from.weight * s.opacity;
+    if (kHasOpacity && s.opacity < 1.0f) {
+        vec3 weight = from.weight - rest;
+        if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.media);
+    }
+    real3 normal = s.normal;
+    float kept = 1.0f; // of what facets reflect or let through, the part that others do not hide
+    float density = 0.0f;
+    if (c.rough) {
+        mat3 frame = frameAbout(c.normal);
+        vec3 view = transpose(frame) * c.view;
+        vec3 facet = visibleFacet(c.alpha, vec3(view.xy, max(view.z, 1e-4f)), pairOf(random, kPairFacet, from.depth));
+        normal = real3(frame * facet);
+        density = reflectionDensity(c.alpha, c.cosView, facet.z);
+        float cosLight = reflect(-view, facet).z;
+        kept = cosLight > 0.0f ? (1.0f + smithLambda(c.alpha, c.cosView)) / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight)) : 0.0f;
+    }
+    float cosine = max(float(-dot(from.direction, normal)), 1e-4f);
+    vec3 mirrorWeight = rest * s.mirror;
+    vec3 facetWeight = rest * (1.0f - s.mirror) * reflectedPart(s, cosine, c.eta) * kept;
     if (kHasTransmission && s.transmission > 0.0f) {
-        real3 bent = refract(from.direction, s.normal, real(s.eta));
-        vec3 weight = from.weight * s.transmission;
-        bool totalReflection = dot(bent, bent) == 0.0f;
-        if (totalReflection) {
-            reflectedWeight += weight;
-        } else if (counts(weight * s.albedo)) {
-            // The interpolated normal may bend a grazing ray back to its own side; it then goes straight on.
+        vec3 weight = rest * (enteringPart(s, cosine, c.eta) * s.transmission);
+        real3 bent = s.thin ? from.direction : refract(from.direction, normal, real(c.eta));
+        if (dot(bent, bent) == 0.0f) { // total reflection
+            facetWeight += weight;
+        } else {
+            weight *= s.baseColor;
+            // The normal may bend a grazing ray back to its own side; it then goes straight on.
             real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
-            stack[stackCount++] = Pending(leaveSurface(s, through), through, weight * s.albedo, from.depth + 1u, s.triangle);
+            if (isTraced(weight, chance.y)) push(from, s, through, weight, 0.0f, mediaBehind(s, from.media));
         }
     }
-    if ((kHasReflection || kHasTransmission) && counts(reflectedWeight)) {
-        real3 mirror = mirrored(from.direction, s);
-        stack[stackCount++] = Pending(leaveSurface(s, mirror), mirror, reflectedWeight, from.depth + 1u, s.triangle);
+    if (!kHasReflection && !kHasTransmission) return;
+    if (!c.rough) {
+        mirrorWeight += facetWeight;
+    } else if (isTraced(facetWeight, chance.x)) {
+        push(from, s, mirrored(from.direction, s, normal), facetWeight, density, from.media);
     }
+    if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, from.media);
 }

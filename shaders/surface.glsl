@@ -1,57 +1,23 @@
 // What a ray finds at a hit, in atlas space.
 struct Surface {
     uint triangle;
+    uint material;
     real3 position;
     real3 positionError; // bound of the rounding error of each coordinate, and of the plane that triangle tests see
     real3 geometricNormal; // unit, on the side that the ray came from
     real3 normal; // interpolated, unit, on that same side
-    vec3 albedo; // linear
+    bool entering; // the ray meets the outside
+    vec3 baseColor; // linear
     vec3 emission;
-    float reflectivity;
+    float opacity;
+    float metallic;
+    float roughness; // 0 if the variant has none
+    float specular;
+    float mirror;
     float transmission;
-    float eta; // index of refraction on the ray's side / on the other side
+    bool thin;
+    bool unlit;
 };
-
-// x is at most two periods below 0, as sampleImage() gives it. In whole numbers: a float division may be off by one unit
-// in the last place, and a whole period with it.
-int wrapTexel(int x, int size, uint wrap) {
-    if (wrap == kWrapClamp) return clamp(x, 0, size - 1);
-    int period = wrap == kWrapMirror ? 2 * size : size;
-    int inPeriod = (x + 2 * period) % period;
-    return inPeriod < size ? inPeriod : period - 1 - inPeriod;
-}
-
-#if RT_HAS_TEXTURES // else the images and pages are not declared
-vec3 fetchTexel(ImagePlace place, ivec2 texel) {
-    ivec2 wrapped = ivec2(wrapTexel(texel.x, int(place.rect.z), place.page.y), wrapTexel(texel.y, int(place.rect.w), place.page.z));
-    return texelFetch(texturePages, ivec3(ivec2(place.rect.xy) + wrapped, int(place.page.x)), 0).rgb;
-}
-
-// Bilinear, in linear light: the pages are sRGB textures, decoded before they are mixed.
-vec3 sampleImage(ImagePlace place, vec2 texcoord) {
-    vec2 size = vec2(place.rect.zw);
-    // Whole periods away from the image are taken off first: a float has no digits left for texels far out.
-    vec2 period = vec2(place.page.y == kWrapMirror ? 2.0f : 1.0f, place.page.z == kWrapMirror ? 2.0f : 1.0f);
-    vec2 near = texcoord - period * floor(texcoord / period);
-    vec2 uv = vec2(place.page.y == kWrapClamp ? clamp(texcoord.x, 0.0f, 1.0f) : near.x,
-                   place.page.z == kWrapClamp ? clamp(texcoord.y, 0.0f, 1.0f) : near.y);
-    vec2 position = vec2(uv.x, 1.0f - uv.y) * size - 0.5f;
-    vec2 weight = fract(position);
-    ivec2 texel = ivec2(floor(position));
-    vec3 top = mix(fetchTexel(place, texel), fetchTexel(place, texel + ivec2(1, 0)), weight.x);
-    vec3 bottom = mix(fetchTexel(place, texel + ivec2(0, 1)), fetchTexel(place, texel + ivec2(1, 1)), weight.x);
-    return mix(top, bottom, weight.y);
-}
-
-vec3 imageColor(uint image, uvec4 vertices, vec3 weights) {
-    vec2 texcoord = weights.x * loadTexcoord(vertices.x) + weights.y * loadTexcoord(vertices.y) + weights.z * loadTexcoord(vertices.z);
-    return sampleImage(images[image], texcoord);
-}
-#else
-vec3 imageColor(uint image, uvec4 vertices, vec3 weights) {
-    return vec3(1.0f);
-}
-#endif
 
 real3 interpolateNormal(uvec4 vertices, real3 weights, real3 fallback) {
     real3 n = weights.x * octDecode(loadNormal(vertices.x)) + weights.y * octDecode(loadNormal(vertices.y)) +
@@ -79,31 +45,82 @@ real3 planeError(TriangleRecord triangle, real sine) {
     return gammaBound(8.0f) / max(sine, kLeastSine) * reach;
 }
 
-Surface surfaceAt(Ray ray, Hit hit) {
+// How a triangle lies in texture space.
+struct TextureFrame {
+    vec2 edge1, edge2; // texture coordinates along the triangle's edges
+    float area;        // of texture space for one of the triangle's, both doubled
+};
+
+TextureFrame textureFrame(uvec4 vertices, TriangleRecord triangle) {
+#if RT_HAS_TEXTURES
+    vec2 t0 = loadTexcoord(vertices.x);
+    vec2 edge1 = loadTexcoord(vertices.y) - t0, edge2 = loadTexcoord(vertices.z) - t0;
+    vec3 across = cross(triangle.v1.xyz - triangle.v0.xyz, triangle.v2.xyz - triangle.v0.xyz);
+    return TextureFrame(edge1, edge2, abs(edge1.x * edge2.y - edge1.y * edge2.x) / max(length(across), 1e-30f));
+#else
+    return TextureFrame(vec2(0.0f), vec2(0.0f), 0.0f);
+#endif
+}
+
+// The shading normal turned as the normal image says; its axes follow the texture coordinates.
+real3 bentNormal(Surface s, Material material, TriangleRecord triangle, TextureFrame frame, vec2 texcoord, float footprint) {
+    float winding = frame.edge1.x * frame.edge2.y - frame.edge1.y * frame.edge2.x;
+    vec3 edge1 = triangle.v1.xyz - triangle.v0.xyz, edge2 = triangle.v2.xyz - triangle.v0.xyz;
+    vec3 tangent = (frame.edge2.y * edge1 - frame.edge1.y * edge2) * sign(winding);
+    vec3 outward = vec3(s.entering ? s.normal : -s.normal);
+    tangent -= outward * dot(outward, tangent);
+    float tangentLength = length(tangent);
+    if (!(tangentLength > 0.0f) || winding == 0.0f) return s.normal;
+    tangent /= tangentLength;
+    vec3 bitangent = cross(outward, tangent) * sign(winding);
+    vec3 map = 2.0f * sampleImage(material.images.z, texcoord, footprint).xyz - 1.0f;
+    vec3 bent = tangent * (map.x * material.attenuation.w) + bitangent * (map.y * material.attenuation.w) + outward * max(map.z, 1e-3f);
+    return normalize(real3(s.entering ? bent : -bent));
+}
+
+// What the material and its images say; s has its place and normals.
+void addMaterial(inout Surface s, Material m, uvec4 vertices, TriangleRecord triangle, vec3 weights, float width, float cosine) {
+    vec2 texcoord = texcoordAt(vertices, weights);
+    TextureFrame frame = textureFrame(vertices, triangle);
+    float footprint = kHasTextures ? width * sqrt(frame.area / max(cosine, 0.05f)) : 0.0f;
+    vec4 color = m.baseColor * imageOr(m.images.x, texcoord, footprint, vec4(1.0f));
+    vec4 rough = imageOr(m.images.y, texcoord, footprint, vec4(1.0f));
+    s.baseColor = color.rgb;
+    bool fades = kHasOpacity && (m.more.y & kMaterialClear) != 0u && m.transmission.w == 0.0f;
+    s.opacity = fades ? color.a : 1.0f;
+    s.emission = kHasEmission ? m.emission.rgb * imageOr(m.images.w, texcoord, footprint, vec4(1.0f)).rgb : vec3(0.0f);
+    s.unlit = kHasEmission && (m.more.y & kMaterialUnlit) != 0u;
+    s.metallic = kHasReflection ? m.reflection.x * rough.b : 0.0f;
+    s.roughness = kHasRoughness ? m.reflection.y * rough.g : 0.0f;
+    s.specular = kHasReflection ? m.reflection.z : 0.0f;
+    s.mirror = kHasReflection ? m.reflection.w : 0.0f;
+    s.transmission = kHasTransmission ? m.transmission.x * imageOr(m.more.x, texcoord, footprint, vec4(1.0f)).r : 0.0f;
+    s.thin = kHasTransmission && (m.more.y & kMaterialThin) != 0u;
+    if (kHasNormalImages && m.images.z != kNoImage) s.normal = bentNormal(s, m, triangle, frame, texcoord, footprint);
+}
+
+// `width`: of what the pixel covers of a plane across the ray.
+Surface surfaceAt(Ray ray, Hit hit, float width) {
     TriangleRecord triangle = loadTriangle(hit.triangle);
     uvec4 vertices = loadTriangleVertices(hit.triangle);
-    Material material = materials[vertices.w];
     real3 weights = real3(1.0f - hit.u - hit.v, hit.u, hit.v);
     real3 v0 = weights.x * real3(triangle.v0.xyz), v1 = weights.y * real3(triangle.v1.xyz), v2 = weights.z * real3(triangle.v2.xyz);
     Surface s;
     s.triangle = hit.triangle;
+    s.material = vertices.w;
     // From the weights, not along the ray: the error is then that of the triangle, however far the ray has come
     // (Pharr, Jakob & Humphreys 2016, section 3.9).
     s.position = v0 + v1 + v2;
     real sine;
     real3 outward = faceNormal(triangle, -ray.direction, sine);
     s.positionError = gammaBound(7.0f) * (abs(v0) + abs(v1) + abs(v2)) + planeError(triangle, sine);
-    bool entering = dot(outward, ray.direction) <= 0.0f;
-    s.geometricNormal = entering ? outward : -outward;
+    s.entering = dot(outward, ray.direction) <= 0.0f;
+    s.geometricNormal = s.entering ? outward : -outward;
     s.normal = interpolateNormal(vertices, weights, outward);
     // The file's normals say which side is meant to be seen; only their direction relative to the face counts here.
     if (dot(s.normal, s.geometricNormal) < 0.0f) s.normal = -s.normal;
-    s.albedo = material.baseColor.rgb;
-    if (kHasTextures && material.images.x != kNoImage) s.albedo *= imageColor(material.images.x, vertices, vec3(weights));
-    s.emission = kHasEmission ? material.emission.rgb : vec3(0.0f);
-    s.reflectivity = kHasReflection ? material.reflection.w : 0.0f;
-    s.transmission = kHasTransmission ? (1.0f - material.reflection.w) * material.transmission.x : 0.0f;
-    s.eta = entering ? 1.0f / material.transmission.y : material.transmission.y;
+    float cosine = float(abs(dot(s.geometricNormal, normalize(ray.direction))));
+    addMaterial(s, materials[vertices.w], vertices, triangle, vec3(weights), width, cosine);
     return s;
 }
 

@@ -22,8 +22,13 @@ COLUMNS = (
 )  # fmt: skip
 
 
+TRACE_LIMIT = ("rt-trace", 5)  # its exit code where a limit was hit
+
+
 class StepFailed(Exception):
-    pass
+    def __init__(self, message, ended=None):
+        super().__init__(message)
+        self.ended = ended  # which tool with which exit code
 
 
 def run(tool, *arguments, accept=(0,)):
@@ -31,7 +36,7 @@ def run(tool, *arguments, accept=(0,)):
     result = subprocess.run([tool, *map(str, arguments), "-q"], capture_output=True, text=True)
     if result.returncode not in accept:
         lines = result.stderr.strip().splitlines() or [f"ended with exit code {result.returncode}"]
-        raise StepFailed(lines[-1])
+        raise StepFailed(lines[-1], (tool.name, result.returncode))
     return result.returncode
 
 
@@ -75,7 +80,7 @@ class SceneRunner:
 
     def __init__(self, options):
         self.options = options
-        self.tools = options.tools.resolve()
+        self.tools = options.tools
         self.out = options.out
         self.details = self.out / "json"
         self.rows = []
@@ -87,6 +92,16 @@ class SceneRunner:
     def fault(self, text):
         self.faults.append(text)
         self.log(f"  FAILED {text}")
+
+    def trace_or_skip(self, row, trace):
+        """Runs trace(row). What a software renderer's limits do not let it trace becomes a row with a note, no failure."""
+        try:
+            trace(row)
+        except StepFailed as error:
+            if error.ended != TRACE_LIMIT or not self.options.software:
+                raise
+            self.rows.append(row | {"note": f"skipped: {error}"})
+            self.log(f"    {row['set']:8}skipped: {error}")
 
     def scene_model(self, scene, folder):
         """The model file of a scene, generated where it has to be; None if a model is not there."""
@@ -178,7 +193,8 @@ class Benchmark(SceneRunner):
             self.log(f"  {variant}: built at {row['build_mtris_per_s']:.2f} Mtriangles/s, "
                      f"{row['bytes_per_triangle']:.0f} bytes per triangle")  # fmt: skip
             for name in SETS:
-                self.run_set(row | {"set": name}, folder, rays["sets"][name], f"{prefix}-{name}")
+                self.trace_or_skip(row | {"set": name}, lambda row: self.run_set(
+                    row, folder, rays["sets"][row["set"]], f"{prefix}-{row['set']}"))  # fmt: skip
         except StepFailed as error:
             self.rows.append(row | {"note": str(error)})
             self.fault(f"{scene}, {variant}: {error}")
@@ -268,12 +284,17 @@ def parse():
 
 
 def complete(options, tools, full_size):
-    """Fills in what depends on the device; the programs `tools` have to be there."""
+    """Fills in what depends on the device and makes the folder --out; the programs `tools` have to be there."""
+    options.tools = options.tools.resolve()
     missing = [tool for tool in tools if shutil.which(options.tools / tool) is None]
     if missing:
         sys.exit(f"{options.tools}: {' '.join(missing)} not there; build them, see README.md")
-    software = is_software(options.tools, options.device)
-    options.reduced = options.reduced or (software and not options.full)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        sys.exit(f"--out {options.out}: {error.strerror}; name a folder")
+    options.software = is_software(options.tools, options.device)
+    options.reduced = options.reduced or (options.software and not options.full)
     options.size = options.size or (256 if options.reduced else full_size)
     if options.repeat is None:
         options.repeat = 1 if options.reduced else 15

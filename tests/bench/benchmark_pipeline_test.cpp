@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -49,6 +50,17 @@ protected:
                                          folder_.file("scenes")};
         argv.insert(argv.end(), arguments.begin(), arguments.end());
         return runCommand(argv);
+    }
+
+    // A folder of the tools with this shell script in the place of rt-trace.
+    std::string toolsWithTrace(const std::string& script) {
+        std::string tools = folder_.file("tools");
+        std::filesystem::create_directory(tools);
+        for (const char* tool : {"rt-import", "rt-grid", "rt_make_rays", "rt_check_hits"})
+            std::filesystem::create_symlink(std::string(RT_BIN_DIR "/") + tool, tools + "/" + tool);
+        std::ofstream(tools + "/rt-trace") << "#!/bin/sh\n" << script;
+        std::filesystem::permissions(tools + "/rt-trace", std::filesystem::perms::owner_all);
+        return tools;
     }
 
     TemporaryFolder folder_;
@@ -107,16 +119,11 @@ TEST_F(BenchmarkPipeline, DrawsItsResults) {
 }
 
 TEST_F(BenchmarkPipeline, WrongHitsFailTheRunAndAreCounted) {
-    const std::string tools = folder_.file("tools");
-    std::filesystem::create_directory(tools);
-    for (const char* tool : {"rt-import", "rt-grid", "rt_make_rays", "rt_check_hits"})
-        std::filesystem::create_symlink(std::string(RT_BIN_DIR "/") + tool, tools + "/" + tool);
     // Overwrites the first four hits by ones of triangle 0 at t = 0. Its arguments: atlas --rays FILE -o HITS
     // ...
-    std::ofstream(tools + "/rt-trace")
-        << "#!/bin/sh\n" RT_BIN_DIR "/rt-trace \"$@\" || exit\n"
-           "[ $# -lt 5 ] || dd if=/dev/zero of=\"$5\" bs=64 count=1 conv=notrunc\n";
-    std::filesystem::permissions(tools + "/rt-trace", std::filesystem::perms::owner_all);
+    const std::string tools =
+        toolsWithTrace(RT_BIN_DIR "/rt-trace \"$@\" || exit\n"
+                                  "[ $# -lt 5 ] || dd if=/dev/zero of=\"$5\" bs=64 count=1 conv=notrunc\n");
     const CommandResult result = run(tools, {"--scenes", "bunny", "--variants", "cloud"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_THAT(result.err, HasSubstr("bunny, cloud, primary: 0 lost, 4 extra, 0 wrong"));
@@ -131,6 +138,45 @@ TEST_F(BenchmarkPipeline, ABuildThatFailsIsNotedAndTheOthersGoOn) {
     ASSERT_EQ(rows.size(), 5u);
     EXPECT_THAT(rows[0].at("note"), HasSubstr("rt-grid: error: "));
     for (std::size_t i = 1; i < rows.size(); ++i) expectFigures(rows[i]);
+}
+
+// Ends as where the shadow rays need more steps than a software renderer does.
+const std::string kNoShadowRays = "case \"$*\" in\n"
+                                  "--list-devices) echo '0  hardware  GPU'; exit;;\n"
+                                  "*shadow.rays*) echo 'rt-trace: error: too many steps' >&2; exit 5;;\n"
+                                  "esac\n";
+
+TEST_F(BenchmarkPipeline, WhatASoftwareRendererCannotTraceIsSkippedWithANote) {
+    const std::string tools = toolsWithTrace(kNoShadowRays + "exec " RT_BIN_DIR "/rt-trace \"$@\"\n");
+    const CommandResult result = run(tools, {"--scenes", "bunny", "--variants", "cloud"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    const std::vector<CsvRow> rows = readCsv(out_ + "/results.csv");
+    ASSERT_EQ(rows.size(), 4u);
+    for (const CsvRow& row : rows) {
+        if (row.at("set") != "shadow") {
+            expectFigures(row);
+            continue;
+        }
+        EXPECT_EQ(row.at("note"), "skipped: rt-trace: error: too many steps");
+        EXPECT_EQ(row.at("mrays_per_s"), "");
+    }
+}
+
+TEST_F(BenchmarkPipeline, OnHardwareALimitIsAFailure) {
+    const std::string tools = toolsWithTrace(
+        kNoShadowRays + "exec " RT_BIN_DIR "/rt-trace \"$1\" \"$2\" \"$3\" \"$4\" \"$5\" --json \"$9\"\n");
+    const CommandResult result =
+        run(tools, {"--scenes", "bunny", "--variants", "cloud", "--device", "0", "--repeat", "0"});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.err, HasSubstr("bunny, cloud: rt-trace: error: too many steps"));
+}
+
+TEST_F(BenchmarkPipeline, AnOutputThatIsAFileIsOneLineOfError) {
+    std::ofstream(out_) << "a file";
+    const CommandResult result = run(RT_BIN_DIR, {"--scenes", "bunny"});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("--out " + out_));
 }
 
 } // namespace

@@ -151,6 +151,12 @@ TEST_F(GridCli, wrongUsageIs2) {
     expectFailure(2, {mesh(), "-o", atlas(), "--resolution", "0"}, "--resolution");
     expectFailure(2, {mesh(), "-o", atlas(), "--resolution", "4x4"}, "--resolution");
     expectFailure(2, {mesh(), "-o", atlas(), "--density", "-1"}, "--density");
+    expectFailure(2, {mesh(), "-o", atlas(), "--density", "abc"}, "--density: abc is not a number");
+    expectFailure(2, {mesh(), "-o", atlas(), "--density", "nan"}, "nan is not between");
+    expectFailure(2, {mesh(), "-o", atlas(), "-j", "all"}, "--threads: all is not a number");
+    for (const char* structure : {"uniform", "cloud", "octant"})
+        expectFailure(2, {mesh(), "-o", atlas(), "--structure", structure, "--leaf-size", "5"},
+                      "--leaf-size goes with --structure nested or auto");
     expectFailure(2, {mesh(), "-o", atlas(), "--density", "4", "--resolution", "4"}, "--density");
     expectFailure(2, {mesh(), "-o", atlas(), "--max-memory", "lots"}, "--max-memory");
     expectFailure(2, {mesh(), "-o", atlas(), "--vdb", atlas()}, "two outputs");
@@ -190,14 +196,25 @@ TEST_F(GridCli, requestsBeyondALimitAre5) {
     expectFailure(5, {mesh(), "-o", atlas(), "--resolution", "200", "--max-memory", "20M"}, "--max-memory");
 }
 
+TEST_F(GridCli, inputWithoutAnEndIsRefused) {
+    expectFailure(4, {"/dev/zero", "-o", atlas()}, "/dev/zero: is not a .rtmesh file");
+    const CommandResult piped =
+        runCommand({"/bin/sh", "-c", RT_BIN_DIR "/rt-grid - -o " + atlas() + " < /dev/zero"});
+    EXPECT_EQ(piped.exitCode, 4) << piped.err;
+}
+
 TEST_F(GridCli, memoryStaysWithinTheForecast) {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP() << "the sanitizer's own memory would count";
 #endif
     writeMesh(mesh(), makeRandomTriangles(100000, 1, 0.02f));
-    for (const bool vdb : {false, true}) {
-        std::vector<std::string> arguments{mesh(), "-o", atlas(), "--resolution", "200", "-q", "--json", "-"};
-        if (vdb) arguments.insert(arguments.end(), {"--vdb", folder_.file("scene.vdb")});
+    const std::vector<std::vector<std::string>> cases{
+        {"--resolution", "200"},
+        {"--resolution", "200", "--vdb", folder_.file("scene.vdb")},
+        {"--resolution", "400", "--structure", "octant"}};
+    for (const std::vector<std::string>& options : cases) {
+        std::vector<std::string> arguments{mesh(), "-o", atlas(), "-q", "--json", "-"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
         const nlohmann::json json = nlohmann::json::parse(grid(arguments).out);
         const double besides = 64.0 * 1024 * 1024 + static_cast<double>(std::filesystem::file_size(mesh()));
         EXPECT_GT(json["forecastMemoryBytes"].get<double>(), 0.0);

@@ -291,6 +291,18 @@ TEST_F(TraceCommand, InvalidContentIs4) {
     expectFailure({atlas(), "-o", "OUT", "--rays", folder->file("odd.f32")}, 4, "33 bytes");
 }
 
+TEST_F(TraceCommand, InputWithoutAnEndIsRefused) {
+    expectFailure({"/dev/zero", "-o", "OUT"}, 4, "/dev/zero: is not a .rtatlas file");
+#ifndef __SANITIZE_ADDRESS__ // which reserves more addresses than that
+    const CommandResult rays = test::runCommand({"/bin/sh", "-c",
+                                                 "ulimit -v 2000000 && exec " RT_BIN_DIR "/rt-trace " +
+                                                     atlas() + " --rays /dev/zero -o " + out.file("hits")});
+    EXPECT_EQ(rays.exitCode, 5) << rays.err;
+    EXPECT_THAT(rays.err, HasSubstr("/dev/zero: "));
+    EXPECT_FALSE(std::filesystem::exists(out.file("hits")));
+#endif
+}
+
 TEST_F(TraceCommand, PicturesLargerThanTheDeviceAllowsAre5) {
     expectFailure({atlas(), "-o", "OUT", "--size", "100000x4"}, 5, "--size 100000x4");
 }
@@ -323,6 +335,7 @@ TEST_F(TraceCommand, HelpShowsTheDefaults) {
     for (const char* text :
          {"512x512", "G|R,G,B=0.1", "G|R,G,B=0.32,0.4,0.5", "a radiance of 0.9", "required"})
         EXPECT_THAT(help, HasSubstr(text));
+    EXPECT_THAT(help, testing::Not(HasSubstr("TEXT")));
 }
 
 } // namespace

@@ -33,6 +33,7 @@ Material mirror() {
 Material glass(float ior) {
     Material material = matt();
     material.baseColor = glm::vec4(1.0f);
+    material.reflection.y = 0.0f;
     material.transmission.x = 1.0f;
     material.transmission.y = ior;
     return material;

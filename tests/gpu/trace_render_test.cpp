@@ -78,6 +78,7 @@ TEST_F(Rendering, AFeatureThatTheSceneDoesNotUseDoesNotChangeThePicture) {
 
 TEST_F(Rendering, AFeatureThatTheSceneUsesDoesChangeThePicture) {
     Material material = test::greyMaterial();
+    material.reflection.y = 0.0f;
     material.reflection.w = 0.3f;
     material.transmission.x = 0.4f / 0.7f;
     material.emission = glm::vec4(0.2f, 0.1f, 0.0f, 0.0f);
@@ -99,6 +100,7 @@ TEST_F(Rendering, PerfectMirrorsAndClearGlassShowTheBackground) {
     for (const glm::vec2 optics : {glm::vec2(1, 0), glm::vec2(0, 1), glm::vec2(0.25f, 0.75f)}) {
         Material material = test::greyMaterial();
         material.baseColor = glm::vec4(1.0f);
+        material.reflection.y = 0.0f;
         material.reflection.w = optics.x;
         material.transmission.x = optics.y > 0.0f ? 1.0f : 0.0f;
         material.transmission.y = 1.0f;

@@ -27,6 +27,7 @@ constexpr unsigned kBounces = 16;
 
 Mesh withOptics(Mesh mesh, float reflectivity, float transmission) {
     Material material = test::greyMaterial();
+    material.reflection.y = 0.0f;
     material.reflection.w = reflectivity;
     material.transmission.x = transmission;
     mesh.materials = std::vector<Material>{material};

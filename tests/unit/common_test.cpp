@@ -9,11 +9,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
 
 namespace rt {
@@ -92,6 +95,58 @@ TEST(ReadFile, MissingFileAndFolderAreFileAccessErrors) {
     const test::TemporaryFolder folder;
     EXPECT_THROW(readFile(folder.file("none")), Error);
     EXPECT_THROW(readFile(folder.file("")), Error);
+}
+
+std::optional<ErrorKind> failureOfReading(const std::string& path, const StreamRule& rule) {
+    try {
+        readFile(path, rule);
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).rfind(path + ": ", 0), 0u) << error.what();
+        return error.kind();
+    }
+    return std::nullopt;
+}
+
+TEST(ReadFile, StreamsWithoutAnEndAreReadAsFarAsTheirHeadSays) {
+    const auto says = [](std::uint64_t length) {
+        return StreamRule{64,
+                          [length](std::span<const std::byte> head) -> std::optional<std::uint64_t> {
+                              EXPECT_EQ(head.size(), 64u);
+                              return length;
+                          },
+                          {}};
+    };
+    for (const std::uint64_t length : {0u, 64u, 65u, 3u << 20})
+        EXPECT_EQ(readFile("/dev/zero", says(length)).size(), std::max<std::uint64_t>(64, length + 1));
+    EXPECT_EQ(failureOfReading("/dev/zero", says(~std::uint64_t(0))), ErrorKind::LimitExceeded);
+    EXPECT_EQ(failureOfReading("/dev/zero", {8,
+                                             [](auto) -> std::optional<std::uint64_t> {
+                                                 throw Error(ErrorKind::InvalidContent,
+                                                             "/dev/zero: is no such file");
+                                             },
+                                             {}}),
+              ErrorKind::InvalidContent);
+}
+
+TEST(ReadFile, StreamsWithoutAnEndStopAtTheMemoryLimit) {
+    StreamRule rule;
+    rule.memory = {3u << 20, "test"};
+    EXPECT_EQ(failureOfReading("/dev/zero", rule), ErrorKind::LimitExceeded);
+    EXPECT_TRUE(readFile("/dev/null", rule).empty());
+}
+
+TEST(ReadFile, StreamsAreReadWhole) {
+    const test::TemporaryFolder folder;
+    const std::string pipe = folder.file("pipe");
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    std::string text(5u << 20, 'x');
+    for (std::size_t i = 0; i < text.size(); i += 1000) text[i] = static_cast<char>('a' + i / 1000 % 26);
+    std::thread writer([&] { std::ofstream(pipe) << text; });
+    StreamRule rule;
+    rule.memory = {text.size(), "test"}; // just enough
+    const SharedSpan<std::byte> bytes = readFile(pipe, rule);
+    writer.join();
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()), text);
 }
 
 // A body reads a mapped file that has become shorter since.

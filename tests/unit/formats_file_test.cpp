@@ -9,11 +9,15 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <csignal>
+#include <cstddef>
 #include <cstring>
 #include <fstream>
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <sys/stat.h>
+#include <thread>
 
 namespace rt {
 namespace {
@@ -361,6 +365,42 @@ TEST(SectionFile, UnknownSectionsAreSkippedAndOtherMajorVersionsRefused) {
     EXPECT_EQ(failureOf([&] { file.get<std::uint64_t>(sectionId("KNWN")); }), ErrorKind::InvalidContent);
     reader.major = 2;
     EXPECT_EQ(failureOf([&] { SectionFile(path, reader); }), ErrorKind::InvalidContent);
+}
+
+// A pipe into which a file's bytes go, and then as many zeros as the reader takes.
+class EndlessPipe {
+public:
+    EndlessPipe(const std::string& path, const std::string& start) {
+        EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
+        writer_ = std::thread([path, start] {
+            std::ofstream pipe(path, std::ios::binary);
+            pipe << start;
+            const std::string zeros(1u << 16, '\0');
+            while (pipe << zeros) {
+            }
+        });
+    }
+    ~EndlessPipe() { writer_.join(); }
+
+private:
+    std::thread writer_;
+};
+
+TEST(SectionFile, StreamsWithoutAnEndAreRefusedWithoutReadingThem) {
+    std::signal(SIGPIPE, SIG_IGN);
+    const test::TemporaryFolder folder;
+    EXPECT_EQ(failureOf([&] { readMesh("/dev/zero"); }), ErrorKind::InvalidContent);
+    EXPECT_EQ(failureOf([&] { readAtlas("/dev/zero"); }), ErrorKind::InvalidContent);
+    writeMesh(folder.file("a"), smallMesh());
+    std::string whole = test::readText(folder.file("a"));
+    {
+        const EndlessPipe pipe(folder.file("longer"), whole);
+        EXPECT_EQ(failureOf([&] { readMesh(folder.file("longer")); }), ErrorKind::InvalidContent);
+    }
+    const std::uint64_t huge = std::uint64_t(1) << 60;
+    std::memcpy(whole.data() + offsetof(FileHeader, fileBytes), &huge, sizeof huge);
+    const EndlessPipe pipe(folder.file("huge"), whole);
+    EXPECT_EQ(failureOf([&] { readMesh(folder.file("huge")); }), ErrorKind::LimitExceeded);
 }
 
 } // namespace

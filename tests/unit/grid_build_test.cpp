@@ -98,8 +98,8 @@ TEST(GridBuild, carriesWhatTheMeshSays) {
     EXPECT_EQ(atlas.texcoords[2], glm::vec2(1.0f));
     EXPECT_EQ(atlas.materials[0].images.x, 0u);
     EXPECT_EQ(glm::uvec3(atlas.info.pageWidth, atlas.info.pageHeight, atlas.info.pageCount),
-              glm::uvec3(4, 4, 1));
-    EXPECT_EQ(atlas.pages[5], mesh.pixels[5]);
+              glm::uvec3(8, 4, 1)); // the smaller levels stand at the right
+    EXPECT_EQ(atlas.pages[9], mesh.pixels[5]);
 }
 
 TEST(GridBuild, leavesTexturesOutWhereNothingShowsThem) {

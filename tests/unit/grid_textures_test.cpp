@@ -19,23 +19,33 @@ std::vector<glm::uvec2> randomSizes(std::size_t count, unsigned largest, std::ui
     return sizes;
 }
 
-// Every texel of the pages holds the pixel it should: counts those that do not, and what is neither image nor
-// empty.
+std::size_t indexOf(const PageLayout& layout, std::size_t image, const glm::uvec4& rect, std::uint32_t x,
+                    std::uint32_t y) {
+    const std::size_t row = std::size_t(layout.places[image].page.x) * layout.height + rect.y + y;
+    return row * layout.width + rect.x + x;
+}
+
+// Every texel of the largest level holds its pixel, no two levels meet, and the rest is empty: counts the
+// texels for which that is not so.
 std::size_t wrongTexels(const Mesh& mesh, const PageLayout& layout) {
     const std::vector<std::uint32_t> texels = paintPages(mesh, layout);
-    std::vector<std::uint32_t> expected(texels.size(), 0u);
+    std::vector<bool> taken(texels.size(), false);
     std::size_t wrong = 0;
     for (std::size_t i = 0; i < mesh.images.size(); ++i) {
-        const ImagePlace& place = layout.places[i];
-        for (std::uint32_t y = 0; y < mesh.images[i].height; ++y)
-            for (std::uint32_t x = 0; x < mesh.images[i].width; ++x) {
-                const std::size_t row = std::size_t(place.page.x) * layout.height + place.rect.y + y;
-                std::uint32_t& texel = expected[row * layout.width + place.rect.x + x];
-                wrong += texel != 0; // two images on one texel
-                texel = mesh.pixels[mesh.images[i].firstPixel + y * mesh.images[i].width + x];
-            }
+        glm::uvec4 rect(0);
+        for (std::uint32_t level = 0; rect.z != 1 || rect.w != 1; ++level) {
+            rect = levelRect(layout.places[i].rect, level);
+            for (std::uint32_t y = 0; y < rect.w; ++y)
+                for (std::uint32_t x = 0; x < rect.z; ++x) {
+                    const std::size_t texel = indexOf(layout, i, rect, x, y);
+                    wrong += taken[texel] || texels[texel] >> 24 != 255u;
+                    taken[texel] = true;
+                    if (level == 0)
+                        wrong += texels[texel] != mesh.pixels[mesh.images[i].firstPixel + y * rect.z + x];
+                }
+        }
     }
-    for (std::size_t i = 0; i < texels.size(); ++i) wrong += texels[i] != expected[i];
+    for (std::size_t i = 0; i < texels.size(); ++i) wrong += !taken[i] && texels[i] != 0u;
     return wrong;
 }
 
@@ -45,8 +55,9 @@ void expectInside(const Mesh& mesh, const PageLayout& layout) {
         const ImagePlace& place = layout.places[i];
         EXPECT_EQ(place.rect.z, mesh.images[i].width);
         EXPECT_EQ(place.rect.w, mesh.images[i].height);
-        EXPECT_LE(place.rect.x + place.rect.z, layout.width);
-        EXPECT_LE(place.rect.y + place.rect.w, layout.height);
+        const glm::uvec2 extent = extentWithLevels(place.rect.z, place.rect.w);
+        EXPECT_LE(place.rect.x + extent.x, layout.width);
+        EXPECT_LE(place.rect.y + extent.y, layout.height);
         EXPECT_LT(place.page.x, layout.pageCount);
         EXPECT_EQ(place.page.y, mesh.images[i].wrapU);
         EXPECT_EQ(place.page.z, mesh.images[i].wrapV);
@@ -65,7 +76,7 @@ TEST(GridTextures, imagesDoNotOverlapAndKeepTheirPixels) {
 }
 
 TEST(GridTextures, usesSeveralPagesWhenOneIsFull) {
-    const Mesh mesh = test::makeTexturedSquare({{3000, 2500}, {2000, 1000}, {2500, 2600}, {10, 4000}});
+    const Mesh mesh = test::makeTexturedSquare({{2000, 2500}, {2000, 1000}, {2500, 2600}, {10, 4000}});
     const PageLayout layout = placeImages(mesh.images, "mesh");
     expectInside(mesh, layout);
     EXPECT_EQ(layout.width, 4096u);
@@ -77,9 +88,11 @@ TEST(GridTextures, usesSeveralPagesWhenOneIsFull) {
 TEST(GridTextures, onePageIsAsSmallAsItCanBe) {
     const std::vector<MeshImage> images(4, MeshImage{256, 256, kWrapRepeat, kWrapRepeat, 0});
     const PageLayout square = placeImages(std::vector<MeshImage>(images), "mesh");
-    EXPECT_EQ(glm::uvec2(square.width, square.height), glm::uvec2(512, 512));
+    EXPECT_EQ(glm::uvec2(square.width, square.height), glm::uvec2(1024, 512)); // each is 384 wide
     const PageLayout two = placeImages(std::vector<MeshImage>(images.begin(), images.begin() + 2), "mesh");
-    EXPECT_EQ(glm::uvec2(two.width, two.height), glm::uvec2(512, 256)); // unused rows are cut
+    EXPECT_EQ(glm::uvec2(two.width, two.height), glm::uvec2(512, 512));
+    const PageLayout one = placeImages(std::vector<MeshImage>(images.begin(), images.begin() + 1), "mesh");
+    EXPECT_EQ(glm::uvec2(one.width, one.height), glm::uvec2(512, 256)); // unused rows are cut
     EXPECT_EQ(placeImages({}, "mesh").texelCount(), 0u);
 }
 
@@ -99,6 +112,74 @@ TEST(GridTextures, refusesAnImageThatNoTextureHolds) {
         EXPECT_EQ(error.kind(), ErrorKind::LimitExceeded);
         EXPECT_NE(std::string(error.what()).find("wide.rtmesh: "), std::string::npos);
     }
+}
+
+// One image with its levels, on a page of its own.
+struct Painted {
+    PageLayout layout;
+    std::vector<std::uint32_t> texels;
+
+    std::vector<std::uint32_t> level(std::uint32_t k) const {
+        const glm::uvec4 rect = levelRect(layout.places[0].rect, k);
+        std::vector<std::uint32_t> result;
+        for (std::uint32_t y = 0; y < rect.w; ++y)
+            for (std::uint32_t x = 0; x < rect.z; ++x)
+                result.push_back(texels[indexOf(layout, 0, rect, x, y)]);
+        return result;
+    }
+};
+
+Painted paint(glm::uvec2 size, std::vector<std::uint32_t> pixels, std::uint32_t space = kImageSrgb) {
+    Mesh mesh;
+    mesh.images = std::vector<MeshImage>{{size.x, size.y, kWrapRepeat, kWrapRepeat, 0, space, 0}};
+    mesh.pixels = std::move(pixels);
+    PageLayout layout = placeImages(mesh.images, "mesh");
+    std::vector<std::uint32_t> texels = paintPages(mesh, layout);
+    return {std::move(layout), std::move(texels)};
+}
+
+TEST(GridTextureLevels, aCheckerBecomesTheGreyOfHalfTheLight) {
+    const std::vector<std::uint32_t> checker{0xFF000000u, 0xFFFFFFFFu, 0xFFFFFFFFu, 0xFF000000u};
+    EXPECT_EQ(paint({2, 2}, checker).level(1), std::vector{0xFFBCBCBCu}); // 0.5 is sRGB 187.5
+    EXPECT_EQ(paint({2, 2}, checker, kImageLinear).level(1), std::vector{0xFF808080u});
+}
+
+TEST(GridTextureLevels, clearTexelsDoNotTingeWhatIsSeen) {
+    const std::vector<std::uint32_t> redBesideClearGreen{0xFF0000FFu, 0x0000FF00u};
+    EXPECT_EQ(paint({2, 1}, redBesideClearGreen).level(1), std::vector{0x800000FFu});
+    EXPECT_EQ(paint({2, 1}, redBesideClearGreen, kImageLinear).level(1), std::vector{0x80008080u});
+    const std::vector<std::uint32_t> allClear{0x000000FFu, 0x000000FFu};
+    EXPECT_EQ(paint({2, 1}, allClear).level(1), std::vector{0x000000FFu}); // keeps its colour, not black
+}
+
+TEST(GridTextureLevels, oddSidesCountEachTexelByTheAreaThatIsCovered) {
+    // 5 -> 2: texels cover 2.5 each; 3 -> 1: all of them.
+    std::vector<std::uint32_t> pixels;
+    for (std::uint32_t y = 0; y < 3; ++y)
+        for (std::uint32_t x = 0; x < 5; ++x) pixels.push_back(0xFF000000u + 50 * x + ((10 * y) << 8));
+    const Painted painted = paint({5, 3}, pixels, kImageLinear);
+    EXPECT_EQ(painted.level(1), (std::vector{0xFF000A28u, 0xFF000AA0u})); // (0 + 50 + 100/2) / 2.5 = 40
+    EXPECT_EQ(painted.level(2), std::vector{0xFF000A64u});
+}
+
+TEST(GridTextureLevels, aSingleRowOrColumnShrinksAlongItsLength) {
+    const std::vector<std::uint32_t> row{0xFF000000u, 0xFF000002u, 0xFF000004u, 0xFF00000Au, 0xFF000014u};
+    for (const glm::uvec2 size : {glm::uvec2(5, 1), glm::uvec2(1, 5)}) {
+        const Painted painted = paint(size, row, kImageLinear);
+        EXPECT_EQ(painted.level(1), (std::vector{0xFF000002u, 0xFF00000Du})); // 1.6 and 12.8
+        EXPECT_EQ(painted.level(2), std::vector{0xFF000008u});
+    }
+}
+
+TEST(GridTextureLevels, evenColoursStayAsTheyAre) {
+    for (const glm::uvec2 size : {glm::uvec2(16, 16), glm::uvec2(7, 13), glm::uvec2(1, 30)})
+        for (std::uint32_t code = 0; code < 256; ++code)
+            for (const std::uint32_t alpha : {255u, 100u, 1u, 0u}) {
+                const std::uint32_t texel = alpha << 24 | (255u - code) << 8 | code;
+                const Painted painted = paint(size, std::vector(std::size_t(size.x) * size.y, texel));
+                ASSERT_EQ(painted.level(1)[0], texel);
+                ASSERT_EQ(painted.level(2).back(), texel);
+            }
 }
 
 } // namespace

@@ -252,6 +252,10 @@ TEST(ImageExr, EveryDamagedFileOfTheCollectionIsRefused) {
     EXPECT_GE(files, 80);
 }
 
+TEST(ImageExr, AStreamWithoutAnEndIsRefusedByItsStart) {
+    EXPECT_THROW(readExr("/dev/zero"), Error);
+}
+
 TEST(ImageExr, MissingFileIsAFileAccessError) {
     const test::TemporaryFolder folder;
     try {

@@ -7,7 +7,7 @@
 namespace rt {
 namespace {
 
-BuildSize sizeOf(const Mesh& mesh, const glm::uvec3& dims, const GridStages& stages,
+BuildSize sizeOf(const Mesh& mesh, const glm::uvec3& dims, std::uint32_t structure, const GridStages& stages,
                  const BuildOptions& options) {
     BuildSize size;
     size.dims = dims;
@@ -15,6 +15,7 @@ BuildSize sizeOf(const Mesh& mesh, const glm::uvec3& dims, const GridStages& sta
     size.vertices = mesh.positions.size();
     size.texels = stages.pages.texelCount();
     size.vdb = options.vdb;
+    size.boxes = hasBoxes(structure);
     return size;
 }
 
@@ -28,12 +29,13 @@ public:
 
     CellRefs run(std::uint32_t structure) {
         stages_.layout = placeGrid(bounds_, dimsOf(structure), options_.padScale);
-        limit_ = checkLimits(name_, sizeOf(mesh_, stages_.layout.dims, stages_, options_), options_.memory);
+        limit_ = checkLimits(name_, sizeOf(mesh_, stages_.layout.dims, structure, stages_, options_),
+                             options_.memory);
         return binTriangles(stages_.triangles, stages_.layout, limit_);
     }
     const ReferenceLimit& limit() const { return limit_; }
     bool fits(std::uint32_t structure) const {
-        const BuildSize size = sizeOf(mesh_, dimsOf(structure), stages_, options_);
+        const BuildSize size = sizeOf(mesh_, dimsOf(structure), structure, stages_, options_);
         return voxelsOf(structure) <= double(kMaxVoxels) && forecastBytes(size) <= options_.memory.bytes;
     }
     // Voxels of the grid.

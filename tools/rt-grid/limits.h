@@ -1,4 +1,5 @@
 #pragma once
+#include "common/memory_limit.h"
 #include "formats/atlas.shared.h"
 
 #include <cstdint>
@@ -17,21 +18,12 @@ struct BuildSize {
     std::uint64_t vertices = 0;
     std::uint64_t texels = 0; ///< of all texture pages
     bool vdb = false;
+    bool boxes = false; ///< the structure has boxes, for whose growth each voxel has a bit
 };
 
-/// How much memory a build may use, and where that number comes from, for messages.
-struct MemoryLimit {
-    std::uint64_t bytes = 0;
-    std::string origin;
-};
-
-/// 75 % of the machine's physical memory or of what its control group (a container, say) may use, whichever
-/// is less; no limit if the system tells neither. `cgroupFolder` is where control groups are mounted:
-/// memory.max in it is read (version 2), and memory/memory.limit_in_bytes (version 1).
-MemoryLimit defaultMemoryLimit(const std::string& cgroupFolder = "/sys/fs/cgroup");
-
-/// Bytes that a build needs besides the mapped mesh file and its triangle lists:
-///     voxels * (4 + 16 if a VDB file is written) + triangles * (48 + 16 + 4) + vertices * 4 + texels * 4.
+/// Bytes that a build needs besides the program itself, the mapped mesh file and its triangle lists:
+///     voxels * (4 + 16 if a VDB file is written + 1/8 if there are boxes)
+///     + triangles * (48 + 16 + 4) + vertices * 4 + texels * 4.
 std::uint64_t forecastBytes(const BuildSize& size);
 
 /// Bytes that one triangle-voxel reference costs at most while lists are built: its voxel (4), its place in

@@ -16,11 +16,17 @@
 namespace rt {
 namespace {
 
-constexpr std::size_t kVoxelsPerBlock = 64;
+constexpr std::size_t kFewestVoxels = 64; // of a block
+constexpr std::size_t kMostBlocks = 1u << 16;
 constexpr std::size_t kBatch =
     16; // triangles that are asked from memory, and whose boxes are found, together
 constexpr double kLargestSpread =
     2.0; // voxels that a triangle meets on average where a brick parts triangles
+
+// Blocks of large grids have more voxels: what is kept for each would take a third of the grid's memory.
+std::size_t voxelsPerBlock(std::size_t voxels) {
+    return std::max(kFewestVoxels, (voxels + kMostBlocks - 1) / kMostBlocks);
+}
 
 // What consecutive voxels of the grid hold; offsets count from the block's own beginning.
 struct Block {
@@ -305,8 +311,9 @@ public:
     void move(std::size_t i) {
         const Block& block = blocks_[i];
         const BlockStart& start = starts_[i];
-        const std::size_t firstVoxel = i * kVoxelsPerBlock;
-        const std::size_t lastVoxel = std::min(whole_.voxels.size(), firstVoxel + kVoxelsPerBlock);
+        const std::size_t perBlock = voxelsPerBlock(whole_.voxels.size());
+        const std::size_t firstVoxel = i * perBlock;
+        const std::size_t lastVoxel = std::min(whole_.voxels.size(), firstVoxel + perBlock);
         const auto moved = [&](std::uint32_t word) { return relocated(word, start); };
         std::uint32_t* const voxels = whole_.voxels.data();
         std::transform(voxels + firstVoxel, voxels + lastVoxel, voxels + firstVoxel, moved);
@@ -331,7 +338,8 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
                         const NestOptions& options, const ReferenceLimit& limit) {
     NestedVoxels nested;
     nested.voxels = std::move(grid.voxels);
-    std::vector<Block> blocks((nested.voxels.size() + kVoxelsPerBlock - 1) / kVoxelsPerBlock);
+    const std::size_t perBlock = voxelsPerBlock(nested.voxels.size());
+    std::vector<Block> blocks((nested.voxels.size() + perBlock - 1) / perBlock);
     WordBudget budget(grid.referenceCount, limit);
     const glm::uvec3 dims = layout.dims;
     const Nesting nesting{triangles, layout, options,
@@ -340,10 +348,9 @@ NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles
                           budget};
     tbb::enumerable_thread_specific<BlockBuilder> builders([&] { return BlockBuilder(nesting); });
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) {
-        const std::size_t first = i * kVoxelsPerBlock;
+        const std::size_t first = i * perBlock;
         const std::span<std::uint32_t> voxels = std::span(nested.voxels).subspan(first);
-        blocks[i] =
-            builders.local().build(grid, voxels.first(std::min(voxels.size(), kVoxelsPerBlock)), first);
+        blocks[i] = builders.local().build(grid, voxels.first(std::min(voxels.size(), perBlock)), first);
     });
     Assembly assembly(blocks, nested);
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) { assembly.move(i); });

@@ -9,8 +9,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
-#include <cmath>
+#include <string_view>
 
 namespace rt {
 namespace {
@@ -51,16 +52,16 @@ void declareDensity(CLI::App& app, RawOptions& raw) {
                "{} on an axis and 2^28 in all are made of it. Raise it where reports show many tests per ray",
                preset.uniformVoxelsPerTriangle, preset.cloudVoxelsPerTriangle, preset.nestedVoxelsPerTriangle,
                kMaxAutomaticSide))
-        ->check(CLI::Range(1e-6, 1e9))
+        ->check(numberBetween(1e-6, 1e9))
         ->excludes(resolution)
         ->type_name("D");
     app.add_option(
            "--leaf-size", raw.leafSize,
            fmt::format(
-               "nested only: triangles that a voxel of a brick may list before it may become a brick "
+               "For nested and auto: triangles that a voxel of a brick may list before it may become a brick "
                "itself; {} if not given, {} for best. Lower it for fewer triangle tests and more memory",
                preset.nest.leafSize, presetOf(Quality::best).nest.leafSize))
-        ->check(CLI::Range(1, 1000000))
+        ->check(numberBetween(1, 1000000))
         ->type_name("N");
 }
 
@@ -76,20 +77,20 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
                    "auto (default): nested or octant, whichever should cost a ray less; nested: crowded "
                    "voxels hold finer ones; octant: empty voxels know how far rays may leap to each side; "
                    "cloud: they know one distance for all sides; uniform: plain grid, for comparisons")
-        ->check(CLI::IsMember({kAuto, "uniform", "cloud", "octant", "nested"}))
+        ->check(CLI::IsMember({kAuto, "uniform", "cloud", "octant", "nested"}).description(""))
         ->type_name("auto|uniform|cloud|octant|nested");
     app.add_option(
            "--quality", raw.quality,
            "balanced (default); best: about a fifth more diffuse rays per second for twice to three times "
            "the memory and build time; fast: the smallest file and shortest build")
-        ->check(CLI::IsMember({kQualities[0], kQualities[1], kQualities[2]}))
+        ->check(CLI::IsMember({kQualities[0], kQualities[1], kQualities[2]}).description(""))
         ->type_name("fast|balanced|best");
     declareDensity(app, raw);
     app.add_option(
            "--max-memory", raw.maxMemory,
            fmt::format(
-               "Refuse builds that need more, e.g. 800M or 12G; by default {}, {}M. Raise it only if you "
-               "mean to swap",
+               "Refuse builds that need more, e.g. 800M or 12G: bytes, or with K, M, G or T multiples of "
+               "1024; by default {}, {}M. Raise it only if you mean to swap",
                memory.origin, memory.bytes >> 20))
         ->type_name("SIZE");
     app.add_option("--vdb", options.vdbPath,
@@ -103,9 +104,12 @@ void readRaw(const RawOptions& raw, GridOptions& options) {
         if (raw.structure == structureName(kind)) build.structure = kind;
     build.quality = static_cast<Quality>(std::find(kQualities.begin(), kQualities.end(), raw.quality) -
                                          kQualities.begin());
-    if (std::isnan(raw.density)) throw Error(ErrorKind::Usage, "--density: nan is not a number of voxels");
     build.resolution.voxelsPerTriangle = raw.density;
     if (raw.leafSize) {
+        if (build.structure && build.structure != kStructureNested)
+            throw Error(ErrorKind::Usage,
+                        fmt::format("--leaf-size goes with --structure nested or auto; {} has no bricks",
+                                    raw.structure));
         build.nest = presetOf(build.quality).nest;
         build.nest->leafSize = *raw.leafSize;
     }
@@ -143,12 +147,18 @@ std::uint64_t parseByteSize(const std::string& text, const std::string& option) 
     std::uint64_t value = 0;
     const char* const end = text.data() + text.size();
     const auto [rest, status] = std::from_chars(text.data(), end, value);
-    const std::string_view suffix(rest, static_cast<std::size_t>(end - rest));
-    const int shift = suffix.empty() ? 0 : suffix == "K" ? 10 : suffix == "M" ? 20 : suffix == "G" ? 30 : -1;
-    if (status != std::errc() || value == 0 || shift < 0 || value > (~std::uint64_t(0) >> shift))
-        throw Error(
-            ErrorKind::Usage,
-            fmt::format("{}: '{}' is not a size; write for example 800M or 12G (K, M, G)", option, text));
+    std::string suffix(rest, end);
+    std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    constexpr std::array<std::string_view, 5> kSuffixes{"", "K", "M", "G", "T"};
+    const auto found = std::find(kSuffixes.begin(), kSuffixes.end(), suffix);
+    const auto shift = 10 * (found - kSuffixes.begin());
+    if (status != std::errc() || value == 0 || found == kSuffixes.end() ||
+        value > (~std::uint64_t(0) >> shift))
+        throw Error(ErrorKind::Usage,
+                    fmt::format("{}: '{}' is not a size; write for example 800M or 12G: bytes, or with K, M, "
+                                "G or T multiples of 1024",
+                                option, text));
     return value << shift;
 }
 

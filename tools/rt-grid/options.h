@@ -21,7 +21,7 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv);
 /// Every file that a run with these options writes; "-" is standard output.
 std::vector<std::string> outputsOf(const GridOptions& options);
 
-/// Parses a number of bytes: digits and, for multiples of 1024, 1024^2 or 1024^3, K, M or G.
+/// Parses a number of bytes: digits and, for multiples of 1024 to 1024^4, K, M, G or T in either case.
 /// Throws Error{Usage} naming `option`.
 std::uint64_t parseByteSize(const std::string& text, const std::string& option);
 

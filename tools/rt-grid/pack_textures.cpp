@@ -1,6 +1,7 @@
 #include "tools/rt-grid/pack_textures.h"
 
 #include "common/error.h"
+#include "tools/rt-grid/shrink_image.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -50,6 +51,26 @@ PageLayout placeOnShelves(const SharedSpan<MeshImage>& images, const std::vector
     return layout;
 }
 
+TexelBlock levelBlock(const PageLayout& layout, const ImagePlace& place, std::uint32_t level,
+                      std::vector<std::uint32_t>& texels) {
+    const glm::uvec4 rect = levelRect(place.rect, level);
+    const std::size_t line = std::size_t(place.page.x) * layout.height + rect.y;
+    return {texels.data() + line * layout.width + rect.x, layout.width, {rect.z, rect.w}};
+}
+
+// Level 0 from `pixels`, then each from the one before.
+void paintImage(const std::uint32_t* pixels, const PageLayout& layout, const ImagePlace& place,
+                std::vector<std::uint32_t>& texels) {
+    TexelBlock block = levelBlock(layout, place, 0, texels);
+    for (std::uint32_t y = 0; y < block.size.y; ++y)
+        std::copy_n(pixels + std::size_t(y) * block.size.x, block.size.x, block.first + y * block.stride);
+    for (std::uint32_t level = 1; block.size != glm::uvec2(1); ++level) {
+        const TexelBlock smaller = levelBlock(layout, place, level, texels);
+        shrinkImage(block, smaller, place.page.w);
+        block = smaller;
+    }
+}
+
 } // namespace
 
 PageLayout placeImages(const SharedSpan<MeshImage>& images, const std::string& name) {
@@ -79,13 +100,7 @@ PageLayout placeImages(const SharedSpan<MeshImage>& images, const std::string& n
 std::vector<std::uint32_t> paintPages(const Mesh& mesh, const PageLayout& layout) {
     std::vector<std::uint32_t> texels(layout.texelCount());
     tbb::parallel_for(std::size_t(0), layout.places.size(), [&](std::size_t i) {
-        const glm::uvec4& rect = layout.places[i].rect;
-        const std::uint32_t* from = mesh.pixels.data() + mesh.images[i].firstPixel;
-        for (std::uint32_t row = 0; row < rect.w; ++row, from += rect.z) {
-            const std::size_t line = std::size_t(layout.places[i].page.x) * layout.height + rect.y + row;
-            std::copy_n(from, rect.z,
-                        texels.begin() + static_cast<std::ptrdiff_t>(line * layout.width + rect.x));
-        }
+        paintImage(mesh.pixels.data() + mesh.images[i].firstPixel, layout, layout.places[i], texels);
     });
     return texels;
 }

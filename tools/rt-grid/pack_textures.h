@@ -21,14 +21,14 @@ struct PageLayout {
     std::uint64_t texelCount() const { return std::uint64_t(width) * height * pageCount; }
 };
 
-/// Places the images without overlap: on shelves, tallest first, in one page of the smallest power of two
-/// that holds them all, or else in several of 4096 (more if one image is larger). Rows that a single page
-/// does not use are cut. Throws Error{LimitExceeded}, message prefixed by `name`, for an image over 16384 on
-/// a side.
+/// Places the images with their smaller levels, without overlap: on shelves, tallest first, in one page of
+/// the smallest power of two that holds them all, or else in several of 4096 (more if one image is larger).
+/// Rows that a single page does not use are cut. Throws Error{LimitExceeded}, message prefixed by `name`, for
+/// an image over 16384 on a side.
 PageLayout placeImages(const SharedSpan<MeshImage>& images, const std::string& name);
 
-/// Returns the texels of all pages: pageCount * height * width, RGBA8, 0 where there is no image. An empty
-/// layout gives none.
+/// Returns the texels of all pages: pageCount * height * width, RGBA8, 0 where there is no image: each image
+/// with its smaller levels, at levelRect() of its place. An empty layout gives none.
 std::vector<std::uint32_t> paintPages(const Mesh& mesh, const PageLayout& layout);
 
 } // namespace rt

@@ -66,6 +66,7 @@ std::uint64_t forecastMemoryBytes(const GridReport& report) {
     size.vertices = atlas.normals.size();
     size.texels = atlas.pages.size();
     size.vdb = report.options.build.vdb;
+    size.boxes = hasBoxes(atlas.grid.dims.w);
     const std::uint64_t words =
         hasBoxes(atlas.grid.dims.w) ? atlas.references.size() + atlas.bricks.size() : atlas.info.references;
     return forecastBytes(size) + words * kBytesPerReference;

@@ -15,12 +15,13 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     CLI::App app("Reads a model (" + readableFormats() + ") into a .rtmesh", "rt-import");
     app.add_option("MODEL", options.modelPath,
                    "Model file, not standard input: its textures are looked for in its folder")
-        ->required();
+        ->required()
+        ->type_name("FILE");
     app.add_option("-o,--output", options.outputPath, "Mesh to write; - for standard output")
         ->required()
         ->type_name("FILE");
     app.add_option("--crease", options.creaseDegrees, "Angle from which generated normals keep an edge sharp")
-        ->check(CLI::Range(0.0, 180.0))
+        ->check(numberBetween(0.0, 180.0))
         ->capture_default_str()
         ->type_name("DEG");
     addCommonOptions(app, options.common,

@@ -168,6 +168,7 @@ MaterialSource readMaterial(const aiMaterial& source, std::vector<std::string>& 
     result.material.baseColor = readBaseColor(source, result.name, result.texture.has_value());
     result.material.emission = readEmission(source, lost);
     const vec4 optics = clampOptics(readOptics(source, lost));
+    result.material.reflection.y = optics.x > 0.0f || optics.y > 0.0f ? 0.0f : 1.0f;
     result.material.reflection.w = optics.x;
     result.material.transmission.x = optics.y;
     result.material.transmission.y = optics.z;

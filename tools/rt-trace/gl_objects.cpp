@@ -157,6 +157,16 @@ GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned
     return texture;
 }
 
+GlTexture createView(const GlTexture& texture, GlEnum target, GlEnum format, unsigned layers) {
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    GlTexture view(name);
+    glTextureView(name, target, texture.name(), format, 0, 1, 0, layers);
+    filterByNearest(name);
+    checkGl("making a view of a texture");
+    return view;
+}
+
 void readTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
                 std::span<std::byte> texels) {
     glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT);

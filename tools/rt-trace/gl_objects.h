@@ -89,6 +89,8 @@ void readBuffer(const GlBuffer& buffer, std::span<std::byte> bytes);
 /// are for pictures.
 GlTexture createTexture2D(GlEnum format, unsigned width, unsigned height);
 GlTexture createTexture3D(GlEnum target, GlEnum format, unsigned width, unsigned height, unsigned depth);
+/// The texels of `texture`, which has so many layers, read in another format of the same size.
+GlTexture createView(const GlTexture& texture, GlEnum target, GlEnum format, unsigned layers);
 /// Reads `region`, [xy, zw), of a 2D texture, row by row from its y.
 void readTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
                 std::span<std::byte> texels);

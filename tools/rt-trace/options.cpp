@@ -38,10 +38,11 @@ void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
                "--ray-order", texts.rayOrder,
                "Whether neighbours among the rays go about the same way; auto looks at a sample. The hits "
                "are the same")
-            ->check(CLI::IsMember({"auto", "coherent", "scattered"}))
+            ->check(CLI::IsMember({"auto", "coherent", "scattered"}).description(""))
+            ->type_name("auto|coherent|scattered")
             ->capture_default_str(),
         app.add_option("--repeat", options.repeat, "Warm up, trace the rays N times and report the median")
-            ->check(CLI::Range(1, 100000))
+            ->check(numberBetween(1, 100000))
             ->type_name("N"),
     };
     for (CLI::Option* option : added) option->group(kQueryGroup);
@@ -137,11 +138,13 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
                    "Compute with 32 or 64 bits; double is slow, and the reference for errors of float. With "
                    "--rays the "
                    "hits are then float64 t, u, v, uint32 triangle, uint32 0")
-        ->check(CLI::IsMember({"float", "double"}))
+        ->check(CLI::IsMember({"float", "double"}).description(""))
+        ->type_name("float|double")
         ->capture_default_str();
     app.add_option("--intersect", texts.intersect,
                    "Triangle test; the others than watertight lose rays that meet edges")
-        ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}))
+        ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}).description(""))
+        ->type_name(fmt::format("{}", fmt::join(kIntersectNames, "|")))
         ->capture_default_str();
     app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
     addCommonOptions(app, options.common,

@@ -173,7 +173,7 @@ void addLightOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts) 
             ->type_name("X")
             ->capture_default_str(),
         app.add_option("--max-depth", options.maxDepth, "Reflections and refractions in a row")
-            ->check(CLI::Range(0, 16))
+            ->check(numberBetween(0, 16))
             ->type_name("N")
             ->capture_default_str(),
     };
@@ -186,7 +186,7 @@ void addSampleOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
                        fmt::format("Samples per pixel, {} at most with --time-limit or --target-error unless "
                                    "this says otherwise",
                                    kOpenSamples))
-            ->check(CLI::Range(1u, kMostSamples))
+            ->check(numberBetween(1u, kMostSamples))
             ->type_name("N")
             ->default_str("1"),
         app.add_option("--seed", options.seed, "Other numbers give other noise")
@@ -197,7 +197,7 @@ void addSampleOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
             ->capture_default_str(),
         app.add_option("--filter-radius", texts.filterRadius,
                        "How far from the middle; else box 0.5, tent 1, gaussian 1.5, blackman-harris 2")
-            ->check(CLI::Range(0.01, 16.0))
+            ->check(numberBetween(0.01, 16.0))
             ->type_name("PX"),
         app.add_option(
                "--time-limit", options.timeLimitSeconds,

@@ -83,6 +83,7 @@ private:
         const std::uint64_t affordable =
             pace_.samples() / std::max<std::uint64_t>(tiles_.unfinishedPixels(), 1);
         count = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(affordable, 1, count));
+        if (software_) count = 1; // the rounds of an invocation's loops are counted together, and few
         while (const auto region = tiles_.next(round.samples, pace_.samples() / count)) {
             if (control_.endMs > 0.0 && round.samples > 0 && programMs() >= control_.endMs) {
                 figures_.timeLimitReached = true;

@@ -75,12 +75,12 @@ void addMaterial(const Material& m, const PictureNeeds& needs, SceneFeatures& fe
     features.hasNormalImages |= m.images.z != kNoImage;
     features.hasEmission |=
         std::max({m.emission.x, m.emission.y, m.emission.z}) > 0.0f || (m.more.y & kMaterialUnlit) != 0;
-    const bool mayBeClear = m.baseColor.w < 1.0f || m.images.x != kNoImage;
-    features.hasCutouts |= m.transmission.w > 0.0f && mayBeClear;
+    const bool clear = (m.more.y & kMaterialClear) != 0;
+    features.hasCutouts |= clear && m.transmission.w > 0.0f;
     if (needs.maxDepth == 0) return;
     const bool reflects = m.reflection.x > 0.0f || m.reflection.z > 0.0f || m.reflection.w > 0.0f;
     const bool transmits = m.transmission.x > 0.0f;
-    features.hasOpacity |= m.transmission.w == 0.0f && m.baseColor.w < 1.0f;
+    features.hasOpacity |= clear && m.transmission.w == 0.0f;
     features.hasReflection |= reflects;
     features.hasTransmission |= transmits;
     features.hasRoughness |= (reflects || transmits) && m.reflection.y > 0.0f;

@@ -54,7 +54,7 @@ std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& fe
 // Storage buffers that the variant reads besides the arrays' pages.
 unsigned unpagedBuffers(const SceneFeatures& features, ShaderKind kind) {
     if (kind == ShaderKind::Query) return 2 + features.countWork + features.scatteredRays; // rays, hits
-    return 2 + features.hasTextures; // materials, lights; images
+    return 2 + features.hasTextures + features.hasEnvironment; // materials, lights
 }
 
 // log2 of the most elements, a power of two, that `most` holds.
@@ -151,8 +151,8 @@ std::string bufferText(int binding, const char* access, const char* type, const 
                        access, name, type, name);
 }
 
-std::string imageText(int unit, const char* format, const char* type, const char* name) {
-    return fmt::format("layout({}, binding = {}) writeonly restrict uniform {} {};\n", format, unit, type,
+std::string imageText(int unit, const char* format, const char* access, const char* type, const char* name) {
+    return fmt::format("layout({}, binding = {}) {} restrict uniform {} {};\n", format, unit, access, type,
                        name);
 }
 
@@ -173,13 +173,25 @@ std::string renderText(const SceneFeatures& features) {
                        uniformText(RT_BINDING_RENDER, "RenderParams", "RenderBlock", "picture") +
                        bufferText(RT_BUFFER_MATERIALS, "readonly", "Material", "materials") +
                        bufferText(RT_BUFFER_LIGHTS, "readonly", "Light", "lights") +
-                       imageText(RT_IMAGE_COLOR, "rgba32f", "image2D", "colorImage") +
-                       imageText(RT_IMAGE_SURFACE, "rgba32f", "image2D", "surfaceImage") +
-                       imageText(RT_IMAGE_ID, "r32ui", "uimage2D", "idImage");
+                       imageText(RT_IMAGE_COLOR, "rgba32f", "", "image2D", "colorImage") +
+                       imageText(RT_IMAGE_SURFACE, "rgba32f", "writeonly", "image2D", "surfaceImage") +
+                       imageText(RT_IMAGE_ID, "r32ui", "writeonly", "uimage2D", "idImage");
     if (features.hasTextures)
         text += bufferText(RT_BUFFER_IMAGES, "readonly", "ImagePlace", "images") +
-                fmt::format("layout(binding = {}) uniform sampler2DArray texturePages;\n", RT_TEXTURE_PAGES);
-    if (features.countWork) text += imageText(RT_IMAGE_COUNTERS, "rgba32ui", "uimage2D", "counterImage");
+                fmt::format("layout(binding = {}) uniform sampler2DArray texturePages;\n", RT_TEXTURE_PAGES) +
+                fmt::format("layout(binding = {}) uniform sampler2DArray linearPages;\n",
+                            RT_TEXTURE_LINEAR_PAGES);
+    if (features.hasEnvironment)
+        text +=
+            bufferText(RT_BUFFER_ENVIRONMENT, "readonly", "float", "environmentTable") +
+            fmt::format("layout(binding = {}) uniform sampler2D environmentMap;\n", RT_TEXTURE_ENVIRONMENT);
+    if (features.countWork)
+        text += imageText(RT_IMAGE_COUNTERS, "rgba32ui", "writeonly", "uimage2D", "counterImage");
+    if (features.hasMoments) text += imageText(RT_IMAGE_MOMENTS, "rg32f", "", "image2D", "momentImage");
+    if (features.hasAovs)
+        text += imageText(RT_IMAGE_ALBEDO, "rgba32f", "", "image2D", "albedoImage") +
+                imageText(RT_IMAGE_POSITION, "rgba32f", "writeonly", "image2D", "positionImage") +
+                imageText(RT_IMAGE_TEXCOORD, "rgba32f", "", "image2D", "texcoordImage");
     return text;
 }
 

@@ -30,6 +30,14 @@ std::span<const QueryRay> asRays(const SharedSpan<std::byte>& bytes, const std::
     return {reinterpret_cast<const QueryRay*>(bytes.data()), bytes.size() / sizeof(QueryRay)};
 }
 
+// Rays from a stream may take half of the memory: their hits take as much in double precision.
+StreamRule rayStream() {
+    MemoryLimit half = defaultMemoryLimit();
+    half.bytes /= 2;
+    half.origin = "half of " + half.origin;
+    return {0, {}, half};
+}
+
 struct Traced {
     std::vector<std::byte> hits; ///< records of hitBytes each
     std::size_t hitBytes = sizeof(QueryHit);
@@ -147,7 +155,7 @@ void writeReport(const TraceOptions& options, const GpuScene& scene, const Trace
 
 void traceRays(const TraceOptions& options) {
     StageTimer stages;
-    const SharedSpan<std::byte> rayBytes = readFile(options.raysPath);
+    const SharedSpan<std::byte> rayBytes = readFile(options.raysPath, rayStream());
     const std::span<const QueryRay> rays = asRays(rayBytes, options.raysPath);
     const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
         return {featuresFor(options, atlas, rays, limits)};

@@ -7,6 +7,7 @@
 #include "tools/rt-trace/picture.h"
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/picture_options.h"
+#include "tools/rt-trace/upload_environment.h"
 
 #include <fmt/format.h>
 
@@ -37,6 +38,16 @@ void makeFrames(const TraceOptions& options, const std::vector<CameraKey>& path,
     }
 }
 
+// Stays bound for all pictures. Nothing where there is none.
+std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, const PictureSetup& setup,
+                                                const GpuScene& scene) {
+    if (setup.environment.pixels.empty()) return std::nullopt;
+    std::optional<GpuEnvironment> environment;
+    environment.emplace(setup.environment, scene.context->limits(), options.environment);
+    environment->bind();
+    return environment;
+}
+
 } // namespace
 
 void traceScene(const TraceOptions& given) {
@@ -55,6 +66,7 @@ void traceScene(const TraceOptions& given) {
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
     if (options.explain) writeFile("-", explanation(scene.file.atlas, scene.plan));
     if (options.outputPaths.empty()) return;
+    const std::optional<GpuEnvironment> environment = uploadEnvironment(options, setup, scene);
     if (options.frames)
         makeFrames(options, path, scene, setup, stages);
     else

@@ -64,6 +64,9 @@ GpuAtlas uploadAtlas(const Atlas& atlas, const ResourcePlan& plan, const GlLimit
     if (plan.features.hasTextures) {
         gpu.buffers_.emplace_back(RT_BUFFER_IMAGES, ring.createBuffer(bytesOf<ImagePlace>(atlas.images)));
         gpu.textures_.emplace_back(RT_TEXTURE_PAGES, uploadPages(ring, atlas, limits, name));
+        gpu.textures_.emplace_back(RT_TEXTURE_LINEAR_PAGES,
+                                   createView(gpu.textures_.back().second, GL_TEXTURE_2D_ARRAY, GL_RGBA8,
+                                              std::max(atlas.info.pageCount, 1u)));
     }
     ring.finish();
     return gpu;
