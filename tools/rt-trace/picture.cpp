@@ -59,7 +59,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
                       StageTimer& stages) {
     const GlContext& context = *scene.context;
     const Film film(options.size, scene.plan.features, context.limits());
-    const GpuView view(setup.camera, setup.params, setup.lights);
+    const GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features.pixelQueue != 0);
     const PictureIdentity identity = identityOf(options, setup, scene.plan.features, scene.file.contentHash);
     Picture picture{{}, TileSamples(options.window, options.samples), {}};
     if (!options.resumePath.empty())

@@ -18,6 +18,9 @@ namespace {
 constexpr double kDispatchMs = 150.0;       // aimed at; none should take 250: displays freeze, Ctrl-C waits
 constexpr double kMostGrowth = 4.0;         // from one dispatch to the next: costs differ over a picture
 constexpr double kFirstSoftware = 1u << 14; // samples of the first dispatch
+// Of a pixel in one dispatch: software renderers end an invocation after 65,535 rounds of all its loops
+// together.
+constexpr std::uint32_t kMostSoftware = 1;
 constexpr double kFirstHardware = 1u << 22;
 constexpr double kSaveMs = 30e3;
 // The error is looked at each time that tiles have this many samples more, whatever the cuts.
@@ -40,10 +43,6 @@ private:
     double most_;
     double samples_;
 };
-
-unsigned groups(unsigned pixels) {
-    return (pixels + kTileSize - 1) / kTileSize;
-}
 
 double samplesOf(const TileSamples& tiles, bool goals) {
     double sum = 0.0;
@@ -82,8 +81,8 @@ private:
             count = std::min(count, kErrorSamples - round.samples % kErrorSamples);
         const std::uint64_t affordable =
             pace_.samples() / std::max<std::uint64_t>(tiles_.unfinishedPixels(), 1);
+        if (software_) count = std::min(count, kMostSoftware);
         count = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(affordable, 1, count));
-        if (software_) count = 1; // the rounds of an invocation's loops are counted together, and few
         while (const auto region = tiles_.next(round.samples, pace_.samples() / count)) {
             if (control_.endMs > 0.0 && round.samples > 0 && programMs() >= control_.endMs) {
                 figures_.timeLimitReached = true;
@@ -96,12 +95,10 @@ private:
     }
 
     void dispatch(const TileSamples::Region& region, std::uint32_t count) {
-        view_.setWork(region.pixels, region.samples, count);
         GpuTimer timer(software_);
         timer.begin();
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
-        glDispatchCompute(groups(region.pixels.z - region.pixels.x),
-                          groups(region.pixels.w - region.pixels.y), 1);
+        view_.dispatch(region.pixels, region.samples, count);
         timer.end();
         const double elapsedMs = timer.elapsedMs();
         checkGl("rendering");
