@@ -18,8 +18,9 @@ namespace {
 constexpr double kDispatchMs = 150.0;       // aimed at; none should take 250: displays freeze, Ctrl-C waits
 constexpr double kMostGrowth = 4.0;         // from one dispatch to the next: costs differ over a picture
 constexpr double kFirstSoftware = 1u << 14; // samples of the first dispatch
-constexpr std::uint32_t kMostSoftware =
-    64; // of a pixel in one dispatch: software ends loops after 65,535 rays
+// Of a pixel in one dispatch: software renderers end an invocation after 65,535 rounds of all its loops
+// together.
+constexpr std::uint32_t kMostSoftware = 1;
 constexpr double kFirstHardware = 1u << 22;
 constexpr double kSaveMs = 30e3;
 // The error is looked at each time that tiles have this many samples more, whatever the cuts.

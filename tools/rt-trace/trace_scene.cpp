@@ -38,10 +38,12 @@ void makeFrames(const TraceOptions& options, const std::vector<CameraKey>& path,
     }
 }
 
-std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, const GlLimits& limits) {
+// Stays bound for all pictures. Nothing where there is none.
+std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, const PictureSetup& setup,
+                                                const GpuScene& scene) {
+    if (setup.environment.pixels.empty()) return std::nullopt;
     std::optional<GpuEnvironment> environment;
-    if (options.environment.empty()) return environment;
-    environment.emplace(loadEnvironment(options.environment), limits, options.environment);
+    environment.emplace(setup.environment, scene.context->limits(), options.environment);
     environment->bind();
     return environment;
 }
@@ -64,7 +66,7 @@ void traceScene(const TraceOptions& given) {
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
     if (options.explain) writeFile("-", explanation(scene.file.atlas, scene.plan));
     if (options.outputPaths.empty()) return;
-    const auto environment = uploadEnvironment(options, scene.context->limits());
+    const std::optional<GpuEnvironment> environment = uploadEnvironment(options, setup, scene);
     if (options.frames)
         makeFrames(options, path, scene, setup, stages);
     else
