@@ -34,7 +34,7 @@ void requireSame(const std::string& path, const CheckpointInfo& info, const Pict
     if (info.seed != identity.seed)
         throwForeign(path, fmt::format("its seed is {}, not {}", info.seed, identity.seed));
     if (info.settingsHash != identity.settingsHash)
-        throwForeign(path, "its view, light, filter, channels or --target-error differ");
+        throwForeign(path, "its view, light, filter, channels, --target-error or kind of device differ");
 }
 
 } // namespace
