@@ -260,7 +260,7 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
     }
     if (s.unlit) return;
     real3 normal = s.normal;
-    float kept = 1.0f; // of what facets reflect or let through, the part that others do not hide
+    float kept = 1.0f; // of what facets reflect, the part that others do not hide; of what they let through, all goes on
     float density = 0.0f;
     if (c.rough) {
         mat3 frame = frameAbout(c.normal);

@@ -42,15 +42,13 @@ double Facets::lobe(const Vec& view, const Vec& light) const {
     return density(glm::normalize(view + light)) / (1.0 + lambda(view) + lambda(light)) / (4.0 * view.z);
 }
 
-Vec Facets::choose(Random& random) const {
-    const double u = random.unit();
-    const double polar = std::atan(alpha * std::sqrt(u / (1.0 - u))), around = 2.0 * kPi * random.unit();
-    return {std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar)};
-}
-
-double Facets::seen(const Vec& view, const Vec& h) const {
-    const double facing = glm::dot(view, h);
-    return facing > 0.0 ? facing / ((1.0 + lambda(view)) * view.z * h.z) : 0.0;
+Vec Facets::choose(const Vec& view, Random& random) const {
+    const Vec stretched = glm::normalize(Vec(view.x * alpha, view.y * alpha, view.z));
+    const double around = 2.0 * kPi * random.unit();
+    const double z = (1.0 - random.unit()) * (1.0 + stretched.z) - stretched.z;
+    const double across = std::sqrt(std::max(1.0 - z * z, 0.0));
+    const Vec h = Vec(across * std::cos(around), across * std::sin(around), z) + stretched;
+    return glm::normalize(Vec(h.x * alpha, h.y * alpha, std::max(h.z, 1e-9)));
 }
 
 double Facets::unhidden(const Vec& view, const Vec& light) const {

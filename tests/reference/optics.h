@@ -40,10 +40,9 @@ struct Facets {
     double lambda(const Vec& w) const;
     /// Reflected towards `view` of light of radiance 1 and solid angle 1 from `light`, before Fresnel.
     double lobe(const Vec& view, const Vec& light) const;
-    /// A normal chosen with density * cosine, Walter et al. 2007, equation 35; how much light it stands for
-    /// that is seen from `view`: 0 if it is turned away.
-    Vec choose(Random& random) const;
-    double seen(const Vec& view, const Vec& h) const;
+    /// A normal, chosen as often as it is seen from `view` (Dupuy & Benyoub 2023: reflect a cap of the
+    /// sphere).
+    Vec choose(const Vec& view, Random& random) const;
     /// Of light that a facet reflects to `view`, the part that others let arrive, from `light`.
     double unhidden(const Vec& view, const Vec& light) const;
 };

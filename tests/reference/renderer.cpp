@@ -260,13 +260,11 @@ private:
             return onward(at, mirrored(at, s.normal), at.media, random);
         const double chosen = 1.0 / (1.0 - s.mirror); // the parts below are of all light
         Vec normal = s.normal;
-        double seen = 1.0, kept = 1.0;
+        double kept = 1.0;
         if (s.rough()) {
-            const Vec facet = at.facets.choose(random), view = at.localView();
+            const Vec facet = at.facets.choose(at.localView(), random), view = at.localView();
             const Vec other = turnedTo(s.normal, Vec(1, 0, 0));
             normal = other * facet.x + glm::cross(s.normal, other) * facet.y + s.normal * facet.z;
-            seen = at.facets.seen(view, facet);
-            if (seen == 0.0) return Vec(0.0);
             kept = at.facets.unhidden(view, 2.0 * glm::dot(view, facet) * facet - view);
         }
         const double cosine = std::max(glm::dot(at.view, normal), kLeastCosine);
@@ -284,10 +282,9 @@ private:
         const double likely = std::min(r + t, 1.0) / (r + t); // the rest of the rays end here
         const double u = random.unit();
         if (u < r * likely)
-            return reflected * (chosen * seen / (r * likely)) *
-                   onward(at, mirrored(at, normal), at.media, random);
+            return reflected * (chosen / (r * likely)) * onward(at, mirrored(at, normal), at.media, random);
         if (u < (r + t) * likely)
-            return through * (chosen * seen / (t * likely)) * onward(at, bent, behind(s, at.media), random);
+            return through * (chosen / (t * likely)) * onward(at, bent, behind(s, at.media), random);
         return Vec(0.0);
     }
 
