@@ -225,6 +225,19 @@ void readPixels(Imf::MultiPartInputFile& file, bool tiled, const Layout& layout,
     }
 }
 
+// Nothing if the data window is the display window, or if the latter says nothing of use.
+std::optional<ImageFrame> frameOf(const Imf::Header& header, const Layout& layout) {
+    if (header.find("displayWindow") == header.end()) return std::nullopt;
+    const Imath::Box2i whole = header.displayWindow();
+    constexpr int kMaxCoordinate = 1 << 30;
+    for (int value : {whole.min.x, whole.min.y, whole.max.x, whole.max.y})
+        if (value < -kMaxCoordinate || value > kMaxCoordinate) return std::nullopt;
+    if (whole.max.x < whole.min.x || whole.max.y < whole.min.y || whole == layout.window) return std::nullopt;
+    return ImageFrame{layout.window.min.x - whole.min.x, layout.window.min.y - whole.min.y,
+                      static_cast<std::uint32_t>(whole.max.x - whole.min.x) + 1,
+                      static_cast<std::uint32_t>(whole.max.y - whole.min.y) + 1};
+}
+
 Image decodeChecked(std::span<const std::byte> bytes, const std::string& name) {
     const std::vector<std::byte> safeHeader = safeExrHeader(bytes, name);
     InputBytes stream(bytes, safeHeader, name);
@@ -242,6 +255,7 @@ Image decodeChecked(std::span<const std::byte> bytes, const std::string& name) {
     Image image;
     image.width = static_cast<std::uint32_t>(layout.width);
     image.height = static_cast<std::uint32_t>(layout.height);
+    image.frame = frameOf(header, layout);
     readAttributes(header, image);
     readPixels(file, tiled, layout, allocateChannels(header, layout, image));
     return image;

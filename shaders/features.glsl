@@ -75,6 +75,9 @@
 #ifndef RT_MULTISAMPLE
 #error "RT_MULTISAMPLE is not defined"
 #endif
+#ifndef RT_PIXEL_QUEUE
+#error "RT_PIXEL_QUEUE is not defined"
+#endif
 #ifndef RT_HAS_AOVS
 #error "RT_HAS_AOVS is not defined"
 #endif

@@ -1,4 +1,6 @@
-// One pixel per invocation: the primary rays of its samples and all that follows from them.
+// The primary rays of pixels' samples and all that follows from them: each invocation traces one ray after the other. As soon as a
+// sample has no ray left it begins the next, so that lanes whose rays end early do not wait for those whose rays go on (Novak,
+// Havran & Dachsbacher 2010); with a queue it then takes the next pixel too.
 #include "formats/shared_types.shared.h"
 #include "formats/octahedral.shared.h"
 #include "formats/material.shared.h"
@@ -80,63 +82,129 @@ void follow(Pending current, Sampler random, inout Sample result, inout WorkCoun
     pushChildren(current, s, c, random);
 }
 
-Sample renderSample(uvec2 pixel, uint index, inout WorkCounters work) {
-    Sampler random = samplerOf(pixel, index);
-    Sample result = Sample(vec4(0.0f), vec4(0.0f), kNoTriangle, vec3(0.0f), vec3(0.0f), vec2(0.0f));
-    Ray primary = pixelRay(pixel, random);
-    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia);
-    pendingCount = 1u;
-    while (pendingCount > 0u) {
-        Pending current = pending[--pendingCount];
-        follow(current, random, result, work);
-    }
-    if (kSoftware && (walkCutShort || pendingCount > 0u)) result.id = kWalkCutShort;
-    return result;
+// Sums over the samples of a pixel, and the sample that is being rendered.
+struct PixelWork {
+    uvec2 pixel;
+    uint index; // of the sample
+    Sampler random;
+    Sample one;
+    vec4 color;
+    vec2 moments;
+    vec3 albedo;
+    vec4 texcoord;
+    WorkCounters work;
+};
+
+uint samplesBehind() { // the first that this dispatch does not take
+    return picture.samples.x + (kMultisample ? picture.samples.y : 1u);
 }
 
-void main() {
-    uvec2 pixel = gl_GlobalInvocationID.xy + picture.region.xy;
-    if (any(greaterThanEqual(pixel, picture.region.zw))) return;
+PixelWork resumePixel(uvec2 pixel) {
+    PixelWork p;
     ivec2 texel = ivec2(pixel);
-    WorkCounters work = WorkCounters(0u, 0u, 0u, 0u);
-    uint first = picture.samples.x;
-    vec4 color = first > 0u ? imageLoad(colorImage, texel) : vec4(0.0f);
-    vec2 moments = vec2(0.0f);
-    vec3 albedo = vec3(0.0f);
+    p.pixel = pixel;
+    p.index = picture.samples.x;
+    bool resumed = p.index > 0u;
+    p.color = resumed ? imageLoad(colorImage, texel) : vec4(0.0f);
+    p.moments = vec2(0.0f);
+    p.albedo = vec3(0.0f);
+    p.texcoord = vec4(0.0f);
 #if RT_HAS_MOMENTS
-    if (first > 0u) moments = imageLoad(momentImage, texel).xy;
+    if (resumed) p.moments = imageLoad(momentImage, texel).xy;
 #endif
 #if RT_HAS_AOVS
-    if (first > 0u) albedo = imageLoad(albedoImage, texel).rgb;
-    vec4 texcoord = first > 0u ? imageLoad(texcoordImage, texel) : vec4(0.0f);
+    if (resumed) p.albedo = imageLoad(albedoImage, texel).rgb;
+    if (resumed) p.texcoord = imageLoad(texcoordImage, texel);
 #endif
-    uint count = kMultisample ? picture.samples.y : 1u;
-    uint i = 0u;
-    for (; i < count; ++i) {
-        Sample one = renderSample(pixel, first + i, work);
-        color += one.color;
-        float luminance = dot(one.color.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
-        moments += vec2(luminance * luminance, luminance);
-        albedo += one.albedo;
-        if (first + i == 0u || one.id == kWalkCutShort) {
-            imageStore(surfaceImage, texel, one.surface);
-            imageStore(idImage, texel, uvec4(one.id));
+    p.work = WorkCounters(0u, 0u, 0u, 0u);
+    return p;
+}
+
+void beginSample(inout PixelWork p) {
+    p.random = samplerOf(p.pixel, p.index);
+    p.one = Sample(vec4(0.0f), vec4(0.0f), kNoTriangle, vec3(0.0f), vec3(0.0f), vec2(0.0f));
+    Ray primary = pixelRay(p.pixel, p.random);
+    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia);
+    pendingCount = 1u;
+}
+
+void storeFirstHit(ivec2 texel, Sample one) {
+    imageStore(surfaceImage, texel, one.surface);
+    imageStore(idImage, texel, uvec4(one.id));
 #if RT_HAS_AOVS
-            imageStore(positionImage, texel, vec4(one.position, 0.0f));
-            texcoord.xy = one.texcoord;
+    imageStore(positionImage, texel, vec4(one.position, 0.0f));
 #endif
-        }
+}
+
+void endSample(inout PixelWork p) {
+    p.color += p.one.color;
+    float luminance = dot(p.one.color.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
+    p.moments += vec2(luminance * luminance, luminance);
+    p.albedo += p.one.albedo;
+    if (p.index == 0u) {
+        storeFirstHit(ivec2(p.pixel), p.one);
+        p.texcoord.xy = p.one.texcoord;
     }
-    if (kSoftware && i < count) imageStore(idImage, texel, uvec4(kWalkCutShort)); // this loop, too, may be ended
-    imageStore(colorImage, texel, color);
+    ++p.index;
+}
+
+void storePixel(PixelWork p) {
+    ivec2 texel = ivec2(p.pixel);
+    imageStore(colorImage, texel, p.color);
 #if RT_HAS_MOMENTS
-    imageStore(momentImage, texel, vec4(moments, 0.0f, 0.0f));
+    imageStore(momentImage, texel, vec4(p.moments, 0.0f, 0.0f));
 #endif
 #if RT_HAS_AOVS
-    imageStore(albedoImage, texel, vec4(albedo, 0.0f));
-    imageStore(texcoordImage, texel, texcoord + vec4(0.0f, 0.0f, float(work.steps), float(work.tests)));
+    imageStore(albedoImage, texel, vec4(p.albedo, 0.0f));
+    imageStore(texcoordImage, texel, p.texcoord + vec4(0.0f, 0.0f, float(p.work.steps), float(p.work.tests)));
 #endif
 #if RT_COUNT_WORK
-    imageStore(counterImage, texel, uvec4(work.rays, work.steps, work.tests, work.selfHits));
+    imageStore(counterImage, texel, uvec4(p.work.rays, p.work.steps, p.work.tests, p.work.selfHits));
 #endif
+}
+
+#if RT_PIXEL_QUEUE
+// The queue's pixels in blocks of 8x4, so that lanes begin side by side.
+bool nextPixel(out uvec2 pixel) {
+    uvec2 size = picture.region.zw - picture.region.xy;
+    uvec2 blocks = (size + uvec2(7u, 3u)) / uvec2(8u, 4u);
+    for (;;) { // blocks at the border are not full
+        uint i = atomicAdd(queuedPixels, 1u);
+        uint block = i / 32u, inBlock = i % 32u;
+        if (block >= blocks.x * blocks.y) return false;
+        uvec2 at = uvec2(block % blocks.x, block / blocks.x) * uvec2(8u, 4u) + uvec2(inBlock % 8u, inBlock / 8u);
+        pixel = picture.region.xy + at;
+        if (all(lessThan(at, size))) return true;
+    }
+}
+#else
+uint takenPixels = 0u;
+bool nextPixel(out uvec2 pixel) {
+    pixel = gl_GlobalInvocationID.xy + picture.region.xy;
+    return takenPixels++ == 0u && all(lessThan(pixel, picture.region.zw));
+}
+#endif
+
+void main() {
+    uvec2 pixel;
+    if (!nextPixel(pixel)) return;
+    PixelWork p = resumePixel(pixel);
+    beginSample(p);
+    bool over = false;
+    for (;;) {
+        Pending current = pending[--pendingCount];
+        follow(current, p.random, p.one, p.work);
+        if (pendingCount > 0u) continue;
+        endSample(p);
+        if (p.index == samplesBehind()) {
+            storePixel(p);
+            if (!nextPixel(pixel)) {
+                over = true;
+                break;
+            }
+            p = resumePixel(pixel);
+        }
+        beginSample(p);
+    }
+    if (kSoftware && (walkCutShort || !over)) imageStore(idImage, ivec2(p.pixel), uvec4(kWalkCutShort));
 }

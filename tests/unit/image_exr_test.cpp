@@ -256,6 +256,21 @@ TEST(ImageExr, AStreamWithoutAnEndIsRefusedByItsStart) {
     EXPECT_THROW(readExr("/dev/zero"), Error);
 }
 
+TEST(ImageExr, APartKnowsItsPlaceInTheWholePicture) {
+    Image image = sampleImage();
+    EXPECT_FALSE(decode(encodeExr(image)).frame);
+    for (const ImageFrame& frame :
+         {ImageFrame{5, 7, 100, 50}, ImageFrame{0, 0, 4, 2}, ImageFrame{-2, -1, 9, 9}}) {
+        image.frame = frame;
+        const Image read = decode(encodeExr(image));
+        EXPECT_EQ(read.frame, frame);
+        EXPECT_EQ(read.width, 3u);
+        EXPECT_EQ(read.find("id")->uints, image.find("id")->uints);
+    }
+    image.frame = ImageFrame{0, 0, 3, 2};
+    EXPECT_FALSE(decode(encodeExr(image)).frame) << "it is the whole picture";
+}
+
 TEST(ImageExr, MissingFileIsAFileAccessError) {
     const test::TemporaryFolder folder;
     try {

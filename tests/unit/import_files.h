@@ -35,6 +35,19 @@ inline std::string fourColourImage() {
     return std::string("P6\n2 2\n255\n\xff\0\0\0\xff\0\0\0\xff\xff\xff\xff", 23);
 }
 
+/// A TGA file of RGBA8 pixels, R lowest, top row first.
+inline std::string rgbaImage(unsigned width, unsigned height, const std::vector<std::uint32_t>& pixels) {
+    std::string file(18, '\0');
+    file[2] = 2; // colours as they are
+    file[12] = static_cast<char>(width);
+    file[14] = static_cast<char>(height);
+    file[16] = 32;
+    file[17] = 0x28; // 8 bits of alpha, top row first
+    for (const std::uint32_t p : pixels)
+        for (const unsigned shift : {16u, 8u, 0u, 24u}) file.push_back(static_cast<char>(p >> shift));
+    return file;
+}
+
 /// A glTF triangle (0,0,0), (1,0,0), (0,1,0) with the given normals, placed by the JSON text of `nodes`, all
 /// of which are roots. Its buffer is "t.bin".
 inline std::string gltfTriangle(const ModelFiles& files, const glm::vec3& normal, const std::string& nodes,

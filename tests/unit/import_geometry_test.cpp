@@ -134,24 +134,6 @@ TEST(ImportGeometry, InstancesBecomeCopiesDepthFirst) {
     EXPECT_EQ(cornersOf(mesh, 2)[1], glm::vec3(0, 0, 0)); // turned by half a turn about z
 }
 
-TEST(ImportGeometry, PointLightsComeInWorldSpaceAndOtherKindsAreCounted) {
-    ModelFiles files;
-    files.write(
-        "m.gltf",
-        gltfTriangle(files, {0, 0, 1},
-                     R"({"mesh":0,"translation":[0,0,5],"children":[1,2]},
-                                {"translation":[1,2,3],"extensions":{"KHR_lights_punctual":{"light":0}}},
-                                {"extensions":{"KHR_lights_punctual":{"light":1}}})",
-                     "{}", R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{"KHR_lights_punctual":{
-                                "lights":[{"type":"point","color":[1,0.5,0.25],"intensity":100},
-                                          {"type":"directional"}]}})"));
-    const ImportedModel model = files.import("m.gltf");
-    ASSERT_EQ(model.mesh.lights.size(), 1u);
-    EXPECT_EQ(model.mesh.lights[0].position, glm::vec4(1, 2, 8, 0));
-    EXPECT_EQ(model.mesh.lights[0].intensity, glm::vec4(100, 50, 25, 0));
-    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("1 lights are no point lights")));
-}
-
 TEST(ImportGeometry, NotFiniteVerticesAreRefusedByNameAndNumber) {
     ModelFiles files;
     files.write("m.obj", "o thing\nv 0 0 0\nv nan 0 0\nv 0 inf 0\nf 1 2 3\n");

@@ -12,8 +12,8 @@ namespace rt {
 namespace {
 
 using test::fourColourImage;
-using test::gltfTriangle;
 using test::ModelFiles;
+using test::rgbaImage;
 using testing::ElementsAre;
 using testing::EndsWith;
 using testing::HasSubstr;
@@ -60,39 +60,6 @@ INSTANTIATE_TEST_SUITE_P(
                     OpticsCase{"AbsurdNumbers", "illum 3\nKs 7 0 0\nd -3\nNi 1e9\n", {0, 1, 100}}),
     [](const auto& test) { return std::string(test.param.name); });
 
-class GltfOptics : public testing::TestWithParam<OpticsCase> {};
-
-TEST_P(GltfOptics, FollowTheTable) {
-    ModelFiles files;
-    files.write("m.gltf",
-                gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})", GetParam().text,
-                             R"(,"extensionsUsed":["KHR_materials_transmission","KHR_materials_ior"])"));
-    expectNear(files.import("m.gltf").mesh.materials[0], GetParam().wanted);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Import, GltfOptics,
-    testing::Values(
-        OpticsCase{"RoughMetal",
-                   R"({"pbrMetallicRoughness":{"metallicFactor":1,"roughnessFactor":1}})",
-                   {0, 0, 1.5f}},
-        OpticsCase{"SmoothMetal",
-                   R"({"pbrMetallicRoughness":{"metallicFactor":0.8,"roughnessFactor":0.25}})",
-                   {0.6f, 0, 1.5f}},
-        OpticsCase{"Transmission",
-                   R"({"pbrMetallicRoughness":{"metallicFactor":0},
-                       "extensions":{"KHR_materials_transmission":{"transmissionFactor":0.9},
-                                     "KHR_materials_ior":{"ior":1.33}}})",
-                   {0, 0.9f, 1.33f}},
-        OpticsCase{
-            "Blend",
-            R"({"alphaMode":"BLEND","pbrMetallicRoughness":{"metallicFactor":0,"baseColorFactor":[1,1,1,0.25]}})",
-            {0, 0.75f, 1}},
-        OpticsCase{"OpaqueIgnoresAlpha",
-                   R"({"pbrMetallicRoughness":{"metallicFactor":0,"baseColorFactor":[1,1,1,0.25]}})",
-                   {0, 0, 1.5f}}),
-    [](const auto& test) { return std::string(test.param.name); });
-
 TEST(ImportMaterials, ColoursAndEmissionAreTakenAsTheyAre) {
     ModelFiles files;
     files.write("m.mtl", "newmtl m\nKd 0.25 0.5 0.75\nKe 36 33 24\n");
@@ -122,9 +89,9 @@ TEST(ImportMaterials, GltfImageStandsUpright) {
     ModelFiles files;
     // The attribute that the triangle calls NORMAL serves as texture coordinates (0, 0) here: glTF's top
     // left.
-    std::string text = gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})",
-                                    R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})",
-                                    R"(,"textures":[{"source":0,"sampler":0}],"images":[{"uri":"four.ppm"}],
+    std::string text = test::gltfTriangle(
+        files, {0, 0, 1}, R"({"mesh":0})", R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}})",
+        R"(,"textures":[{"source":0,"sampler":0}],"images":[{"uri":"four.ppm"}],
                                         "samplers":[{"wrapS":33648,"wrapT":33071}])");
     text.replace(text.find("\"NORMAL\":1"), 10, "\"TEXCOORD_0\":2");
     text.insert(text.find("\"type\":\"VEC3\"}]") + 14,
@@ -255,16 +222,76 @@ TEST(ImportMaterials, OversizedImageHitsTheLimitBeforeItIsDecoded) {
     }
 }
 
-TEST(ImportMaterials, TextureTransformsAreNamedAsLost) {
+TEST(ImportMaterials, MtlReflectsByFresnelWhereIllumSaysSo) {
+    for (const auto& [text, specular] : {std::pair("illum 2\nNs 90\n", 0.0f),
+                                         {"illum 4\n", 0.0f},
+                                         {"illum 5\n", 1.0f},
+                                         {"illum 7\n", 1.0f}}) {
+        ModelFiles files;
+        files.write("m.mtl", std::string("newmtl m\nKs 0.5 0.5 0.5\n") + text);
+        files.write("m.obj", kTexturedTriangle);
+        const Material material = files.import("m.obj").mesh.materials[0];
+        EXPECT_EQ(glm::vec3(material.reflection), glm::vec3(0, 1, specular)) << text;
+        EXPECT_EQ(material.baseColor.a, 1.0f);
+    }
+}
+
+TEST(ImportMaterials, MtlMetallicAndRoughnessAreTaken) {
     ModelFiles files;
-    files.write("m.gltf", gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})",
-                                       R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":
-                                           {"KHR_texture_transform":{"scale":[2,2]}}}}})",
-                                       R"(,"extensionsUsed":["KHR_texture_transform"],
-                                           "textures":[{"source":0}],"images":[{"uri":"four.ppm"}])"));
-    files.write("four.ppm", fourColourImage());
-    EXPECT_THAT(files.import("m.gltf").report.warnings,
-                ElementsAre(HasSubstr("texture transform is not carried over")));
+    files.write("m.mtl", "newmtl m\nPr 0.25\nPm 0.75\nmap_Pr a.tga\n");
+    files.write("m.obj", kTexturedTriangle);
+    const ImportedModel model = files.import("m.obj");
+    EXPECT_EQ(glm::vec3(model.mesh.materials[0].reflection), glm::vec3(0.75f, 0.25f, 1));
+    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("roughness texture is not carried over")));
+}
+
+TEST(ImportMaterials, MtlOpacityMapBecomesTheAlphaOfTheBaseColour) {
+    ModelFiles files;
+    files.write("m.obj", kTexturedTriangle);
+    files.write("color.tga", rgbaImage(2, 1, {0x80112233u, 0xFF445566u}));
+    files.write("grey.tga", rgbaImage(2, 1, {0xFF404040u, 0xFFC0C0C0u}));
+    files.write("large.tga", rgbaImage(4, 2, std::vector(8, 0x20FFFFFFu)));
+    const auto pixelsOf = [&](const char* maps) {
+        files.write("m.mtl", std::string("newmtl m\n") + maps);
+        const ImportedModel model = files.import("m.obj");
+        EXPECT_THAT(model.report.warnings, IsEmpty()) << maps;
+        EXPECT_EQ(model.mesh.materials[0].images.x, 0u);
+        return std::vector<std::uint32_t>(model.mesh.pixels.begin(), model.mesh.pixels.end());
+    };
+    EXPECT_THAT(pixelsOf("map_Kd color.tga\n"), ElementsAre(0xFF112233u, 0xFF445566u)); // not its own alpha
+    EXPECT_THAT(pixelsOf("map_Kd color.tga\nmap_d color.tga\n"), ElementsAre(0x80112233u, 0xFF445566u));
+    EXPECT_THAT(pixelsOf("map_Kd color.tga\nmap_d grey.tga\n"), ElementsAre(0x40112233u, 0xC0445566u));
+    EXPECT_THAT(pixelsOf("map_Kd color.tga\nmap_d large.tga\n"), ElementsAre(0x20112233u, 0x20445566u));
+    EXPECT_THAT(pixelsOf("map_d grey.tga\n"), ElementsAre(0x40FFFFFFu, 0xC0FFFFFFu));
+}
+
+TEST(ImportMaterials, AMissingOpacityMapIsNamedAndLeavesTheColours) {
+    ModelFiles files;
+    files.write("m.mtl", "newmtl m\nmap_Kd color.tga\nmap_d ../gone.tga\n");
+    files.write("m.obj", kTexturedTriangle);
+    files.write("color.tga", rgbaImage(1, 1, {0x80112233u}));
+    const ImportedModel model = files.import("m.obj");
+    EXPECT_THAT(model.mesh.pixels, ElementsAre(0xFF112233u));
+    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("gone.tga")));
+}
+
+TEST(ImportMaterials, ABumpMapCountsOnlyIfItHoldsNormals) {
+    ModelFiles files;
+    files.write("m.obj", kTexturedTriangle);
+    files.write("heights.tga", rgbaImage(2, 1, {0xFF404040u, 0xFFC0C0C0u}));
+    files.write("normals.tga", rgbaImage(2, 1, {0xFFFF8080u, 0xFFF09060u}));
+    files.write("m.mtl", "newmtl m\nmap_bump -bm 0.5 heights.tga\n");
+    const ImportedModel heights = files.import("m.obj");
+    EXPECT_EQ(heights.mesh.materials[0].images.z, kNoImage);
+    EXPECT_THAT(heights.report.warnings, ElementsAre(HasSubstr("holds heights")));
+    for (const char* key : {"map_bump -bm 0.5", "norm -bm 0.5"}) {
+        files.write("m.mtl", std::string("newmtl m\n") + key + " normals.tga\n");
+        const ImportedModel normals = files.import("m.obj");
+        EXPECT_THAT(normals.report.warnings, IsEmpty());
+        ASSERT_EQ(normals.mesh.materials[0].images.z, 0u);
+        EXPECT_EQ(normals.mesh.materials[0].attenuation.w, 0.5f);
+        EXPECT_EQ(normals.mesh.images[0].space, kImageLinear);
+    }
 }
 
 } // namespace

@@ -105,6 +105,106 @@ TEST(Camera, AtlasSpaceIsReachedInDoublePrecision) {
     EXPECT_NEAR(glm::length(glm::vec3(params.right)), 2.0f * glm::length(glm::vec3(params.up)), 1e-6f);
 }
 
+NamedCamera named(const std::string& name, std::uint32_t kind) {
+    NamedCamera camera{};
+    name.copy(camera.name, sizeof camera.name - 1);
+    camera.eye[2] = 5.0;
+    camera.lookAt[0] = 1.0;
+    camera.up[1] = 1.0;
+    camera.fovDegrees = 25.0;
+    camera.height = 3.0;
+    camera.lensRadius = kind == kCameraPerspective ? 0.5 : 0.0;
+    camera.focusDistance = 4.0;
+    camera.kind = kind;
+    return camera;
+}
+
+TEST(NamedCameras, GiveWhatTheRequestLeavesOpen) {
+    const NamedCamera cameras[] = {named("a", kCameraPerspective), named("top", kCameraOrthographic)};
+    CameraRequest request;
+    EXPECT_FALSE(withNamedCamera(request, cameras).eye) << "no name, no camera";
+    request.name = "a";
+    CameraPose pose = placeCamera(withNamedCamera(request, cameras), kBoxes[0], 1.0);
+    EXPECT_EQ(pose.eye, glm::dvec3(0, 0, 5));
+    EXPECT_EQ(pose.lookAt, glm::dvec3(1, 0, 0));
+    EXPECT_EQ(pose.fovDegrees, 25.0);
+    EXPECT_EQ(pose.lensRadius, 0.5);
+    EXPECT_EQ(pose.focusDistance, 4.0);
+    request.eye = glm::dvec3(0, 1, 7);
+    request.fovDegrees = 30.0;
+    request.lensRadius = 0.0;
+    pose = placeCamera(withNamedCamera(request, cameras), kBoxes[0], 1.0);
+    EXPECT_EQ(pose.eye, glm::dvec3(0, 1, 7));
+    EXPECT_EQ(pose.lookAt, glm::dvec3(1, 0, 0));
+    EXPECT_EQ(pose.fovDegrees, 30.0);
+    EXPECT_EQ(pose.lensRadius, 0.0);
+    request = {};
+    request.name = "top";
+    pose = placeCamera(withNamedCamera(request, cameras), kBoxes[0], 1.0);
+    EXPECT_EQ(pose.view, kOrthographicView);
+    EXPECT_EQ(pose.height, 3.0);
+}
+
+TEST(NamedCameras, AnUnknownNameIsAnsweredWithThoseThatThereAre) {
+    const NamedCamera cameras[] = {named("a", kCameraPerspective), named("top", kCameraOrthographic)};
+    CameraRequest request;
+    request.name = "side";
+    try {
+        withNamedCamera(request, cameras);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::Usage);
+        EXPECT_NE(std::string(error.what()).find("a, top"), std::string::npos) << error.what();
+    }
+}
+
+TEST(Camera, AnOrthographicPictureHoldsTheWholeScene) {
+    for (const BoundsD& box : kBoxes)
+        for (const double aspect : {0.5, 2.0}) {
+            CameraRequest request;
+            request.view = kOrthographicView;
+            const CameraPose pose = placeCamera(request, box, aspect);
+            const CameraBasis basis = basisOf(pose, aspect);
+            for (int corner = 0; corner < 8; ++corner) {
+                const glm::dvec3 point(corner & 1 ? box.hi.x : box.lo.x, corner & 2 ? box.hi.y : box.lo.y,
+                                       corner & 4 ? box.hi.z : box.lo.z);
+                const glm::dvec3 offset = point - pose.eye;
+                EXPECT_GT(glm::dot(offset, basis.forward), 0.0);
+                EXPECT_LT(std::abs(glm::dot(offset, basis.right)), basis.halfWidth);
+                EXPECT_LT(std::abs(glm::dot(offset, basis.up)), basis.halfHeight);
+            }
+        }
+}
+
+TEST(Camera, LensFocusAndOrthographicSizesAreLengthsInAtlasSpace) {
+    GridParams grid{};
+    grid.worldOffset = glm::vec4(0.0f, 0.0f, 0.0f, 4.0f);
+    CameraPose pose;
+    pose.eye = glm::dvec3(0, 0, 10);
+    pose.lensRadius = 0.25;
+    pose.focusDistance = 10.0;
+    CameraParams params = cameraInAtlas(pose, 1.0, grid);
+    EXPECT_EQ(params.eye.w, 1.0f);
+    EXPECT_EQ(params.forward.w, 40.0f);
+    pose.view = kOrthographicView;
+    pose.height = 3.0;
+    params = cameraInAtlas(pose, 2.0, grid);
+    EXPECT_NEAR(glm::length(glm::vec3(params.up)), 6.0f, 1e-6f);
+    EXPECT_NEAR(glm::length(glm::vec3(params.right)), 12.0f, 1e-6f);
+}
+
+TEST(Camera, APanoramaStandsInTheSceneAndLooksAlongMinusZ) {
+    CameraRequest request;
+    request.view = kPanoramaView;
+    const CameraPose pose = placeCamera(request, kBoxes[0], 2.0);
+    EXPECT_EQ(pose.eye, kBoxes[0].centre());
+    EXPECT_EQ(basisOf(pose, 2.0).forward, glm::dvec3(0, 0, -1));
+    request.eye = glm::dvec3(3, 2, 1);
+    EXPECT_EQ(basisOf(placeCamera(request, kBoxes[0], 2.0), 2.0).forward, glm::dvec3(0, 0, -1));
+    request.lensRadius = 0.1;
+    EXPECT_THROW(placeCamera(request, kBoxes[0], 2.0), Error);
+}
+
 Atlas atlasWithScale(float scale, float offset = 10.0f) {
     Atlas atlas;
     atlas.grid.worldOffset = glm::vec4(offset, 0.0f, 0.0f, scale);
@@ -143,6 +243,34 @@ TEST(Lights, OfTheCommandLineReplaceThoseOfTheSceneWhichReplaceTheDefaults) {
     ASSERT_EQ(lights.size(), 2u);
     EXPECT_NEAR(facingRadiance(lights[0], glm::dvec3(0)), 0.9, 1e-6);
     EXPECT_EQ(lights[1].intensity, glm::vec4(1, 1, 1, 0));
+}
+
+TEST(Lights, OfEveryKindLookTheSameAtAnyScale) {
+    Atlas atlas = atlasWithScale(4.0f);
+    std::vector<Light> world;
+    for (std::uint32_t kind = 0; kind < kLightKindCount; ++kind) {
+        Light light{};
+        light.kind.x = kind;
+        light.position = glm::vec4(12, 1, 0, kind == kLightSphere ? 0.5f : 0.0f);
+        light.intensity = glm::vec4(2, 1, 3, 0);
+        light.direction = glm::vec4(0, -1, 0, 0.5f);
+        light.edgeU = glm::vec4(1, 0, 0, 0.75f);
+        light.edgeV = glm::vec4(0, 0, 2, 0);
+        world.push_back(light);
+    }
+    atlas.lights = std::vector<Light>(world);
+    const BoundsD scene{glm::dvec3(9, -1, -1), glm::dvec3(11, 1, 1)};
+    const auto lights = chooseLights({}, atlas, scene, placeCamera({}, scene, 1.0));
+    ASSERT_EQ(lights.size(), kLightKindCount);
+    for (const Light& light : lights) {
+        const bool fallsOff = light.kind.x == kLightPoint || light.kind.x == kLightSpot;
+        EXPECT_EQ(glm::vec3(light.position), glm::vec3(8, 4, 0));
+        EXPECT_EQ(light.position.w, light.kind.x == kLightSphere ? 2.0f : 0.0f);
+        EXPECT_EQ(light.intensity, glm::vec4(2, 1, 3, 0) * (fallsOff ? 16.0f : 1.0f));
+        EXPECT_EQ(light.direction, glm::vec4(0, -1, 0, 0.5f));
+        EXPECT_EQ(light.edgeU, glm::vec4(4, 0, 0, 0.75f));
+        EXPECT_EQ(light.edgeV, glm::vec4(0, 0, 8, 0));
+    }
 }
 
 TEST(Lights, ACameraInsideTheSceneCarriesThem) {

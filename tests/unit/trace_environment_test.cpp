@@ -16,10 +16,12 @@ namespace {
 TEST(Environment, OneColourIsTheSameEverywhere) {
     const EnvironmentMap map = loadEnvironment("0.5,1,0.25");
     EXPECT_EQ(map.width, 2u);
-    EXPECT_EQ(map.height, 1u);
-    EXPECT_EQ(map.pixels, (std::vector<glm::vec3>(2, glm::vec3(0.5f, 1.0f, 0.25f))));
-    const auto luminance = static_cast<float>(0.2126 * 0.5 + 0.7152 + 0.0722 * 0.25);
-    EXPECT_THAT(map.cdf, testing::ElementsAre(2, 1, testing::FloatEq(luminance), 0, 1, 0, 0.5f, 1));
+    EXPECT_EQ(map.height, 64u);
+    EXPECT_EQ(map.pixels, (std::vector<glm::vec3>(128, glm::vec3(0.5f, 1.0f, 0.25f))));
+    const double luminance = 0.2126 * 0.5 + 0.7152 + 0.0722 * 0.25;
+    EXPECT_NEAR(map.cdf[2], luminance * 2.0 / M_PI, 1e-3);
+    EXPECT_NEAR(map.cdf[3 + 32], 0.5, 1e-6);
+    EXPECT_EQ(map.cdf[rowOfCdf(2, 64, 17) + 1], 0.5f);
     EXPECT_EQ(loadEnvironment("3").pixels[1], glm::vec3(3.0f));
 }
 
@@ -58,7 +60,9 @@ TEST(Environment, TheDistributionCoversTheSphereOnce) {
 
 TEST(Environment, BlackHasNoLightAndIsEven) {
     const EnvironmentMap map = loadEnvironment("0");
-    EXPECT_THAT(map.cdf, testing::ElementsAre(2, 1, 0, 0, 1, 0, 0.5f, 1));
+    EXPECT_EQ(map.cdf[2], 0.0f);
+    EXPECT_FLOAT_EQ(map.cdf[3 + 16], 0.25f);
+    EXPECT_EQ(map.cdf[rowOfCdf(2, 64, 17) + 1], 0.5f);
 }
 
 TEST(Environment, ExrKeepsItsRowsAndLosesWhatIsNoLight) {

@@ -4,6 +4,8 @@
 #include "tools/rt-import/load_images.h"
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/open_model.h"
+#include "tools/rt-import/read_cameras.h"
+#include "tools/rt-import/read_gltf_extras.h"
 #include "tools/rt-import/read_lights.h"
 #include "tools/rt-import/read_scene.h"
 #include "tools/rt-import/repair_mesh.h"
@@ -22,6 +24,7 @@ struct SceneParts {
     std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `materials`
     LoadedImages images;
     std::vector<Light> lights;
+    std::vector<NamedCamera> cameras;
 };
 
 Bounds boundsOf(const SceneSoup& soup) {
@@ -35,6 +38,38 @@ bool hasOwnNormals(const std::string& path) {
     return lowerExtension(path) != "stl";
 }
 
+SpotAngles spotAnglesOf(const std::string& path) {
+    return lowerExtension(path) == "3ds" ? SpotAngles::AcrossCone : SpotAngles::FromAxis;
+}
+
+// Fills `parts` with the materials that triangles use and their images. What they want of the vertices is
+// returned.
+SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
+                          ModelFolder& folder, std::vector<std::string>& warnings, SceneParts& parts) {
+    SoupOptions wanted;
+    wanted.uvChannel.assign(used.size(), 0);
+    wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
+    parts.slotOf.assign(used.size(), 0);
+    std::vector<MaterialSource> sources;
+    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+        if (!used[m]) continue;
+        parts.slotOf[m] = static_cast<std::uint32_t>(sources.size());
+        const auto extra = extras.materials.find(m);
+        sources.push_back(readMaterial(*scene.mMaterials[m],
+                                       extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second,
+                                       warnings));
+        for (const auto& texture : sources.back().textures) {
+            if (!texture) continue;
+            wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
+            wanted.uvTransform[m] = texture->uvTransform;
+        }
+    }
+    parts.images = loadImages(scene, sources, folder, warnings);
+    wanted.texcoords = !parts.images.images.empty();
+    for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
+    return wanted;
+}
+
 SceneParts readParts(const std::string& path, ModelFolder& folder, ImportReport& report, StageTimer& timer) {
     timer.begin("read");
     const OpenModel model(path, folder, report.warnings);
@@ -43,23 +78,16 @@ SceneParts readParts(const std::string& path, ModelFolder& folder, ImportReport&
 
     timer.begin("materials");
     SceneParts parts;
+    const GltfExtras extras = readGltfExtras(path, scene, report.warnings);
     const std::vector<bool> used = findUsedMaterials(scene, instances, path);
-    parts.slotOf.assign(used.size(), 0);
-    SoupOptions soupOptions{hasOwnNormals(path), false, std::vector<std::uint32_t>(used.size(), 0)};
-    std::vector<MaterialSource> sources;
-    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
-        if (!used[m]) continue;
-        parts.slotOf[m] = static_cast<std::uint32_t>(sources.size());
-        sources.push_back(readMaterial(*scene.mMaterials[m], report.warnings));
-        if (sources.back().texture) soupOptions.uvChannel[m] = sources.back().texture->uvChannel;
-    }
-    parts.images = loadImages(scene, sources, folder, report.warnings);
-    soupOptions.texcoords = !parts.images.images.empty();
-    for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
+    SoupOptions wanted = readMaterials(scene, used, extras, folder, report.warnings, parts);
+    wanted.normals = hasOwnNormals(path);
 
     timer.begin("soup");
-    parts.soup = readSoup(scene, instances, soupOptions, path);
-    parts.lights = readPointLights(scene, boundsOf(parts.soup).centre(), report.warnings);
+    parts.soup = readSoup(scene, instances, wanted, path);
+    parts.lights = readLights(scene, extras.lightNodes, boundsOf(parts.soup).centre(), spotAnglesOf(path),
+                              report.warnings);
+    parts.cameras = readCameras(scene, extras.cameraNodes, report.warnings);
     report.droppedFaces = parts.soup.droppedFaces;
     return parts;
 }
@@ -87,6 +115,7 @@ ImportedModel importModel(const std::string& path, double creaseDegrees, StageTi
     mesh.triangleMaterial = std::move(parts.soup.triangleMaterial);
     mesh.materials = std::move(parts.materials);
     mesh.lights = std::move(parts.lights);
+    mesh.cameras = std::move(parts.cameras);
     mesh.images = std::move(parts.images.images);
     mesh.pixels = std::move(parts.images.pixels);
     validate(mesh, path);

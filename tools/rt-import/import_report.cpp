@@ -17,7 +17,8 @@ nlohmann::json toJson(const glm::vec3& v) {
 std::uint64_t byteCount(const Mesh& mesh) {
     return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.texcoords.size_bytes() +
            mesh.triangles.size_bytes() + mesh.triangleMaterial.size_bytes() + mesh.materials.size_bytes() +
-           mesh.lights.size_bytes() + mesh.images.size_bytes() + mesh.pixels.size_bytes();
+           mesh.lights.size_bytes() + mesh.cameras.size_bytes() + mesh.images.size_bytes() +
+           mesh.pixels.size_bytes();
 }
 
 nlohmann::json toJson(const ImportReport& report, const Mesh& mesh, const StageTimer& timer) {
@@ -30,6 +31,7 @@ nlohmann::json toJson(const ImportReport& report, const Mesh& mesh, const StageT
             {"materials", mesh.materials.size()},
             {"images", mesh.images.size()},
             {"lights", mesh.lights.size()},
+            {"cameras", mesh.cameras.size()},
             {"bytes", byteCount(mesh)},
             {"droppedFaces", report.droppedFaces},
             {"degenerateTriangles", report.degenerateTriangles},

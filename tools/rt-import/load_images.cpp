@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <stb/stb_image.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <climits>
 #include <cstring>
@@ -25,6 +26,9 @@ struct Decoded {
     std::uint32_t height = 0;
     std::uint64_t firstPixel = 0;
     std::string fault;
+    bool isClear = false; ///< somewhere, by its alpha
+
+    std::size_t pixelCount() const { return std::size_t(width) * height; }
 };
 
 // Checks an image of this size before its pixels are added.
@@ -80,63 +84,171 @@ Decoded decodeEmbedded(const aiTexture& texture, const std::string& name,
     return {texture.mWidth, texture.mHeight, first, ""};
 }
 
+constexpr const char* kNotFound = "was not found in the model's folder";
+constexpr std::uint32_t kAlphaMask = 0xFF000000u;
+
+bool isClearSomewhere(std::span<const std::uint32_t> pixels) {
+    return std::any_of(pixels.begin(), pixels.end(), [](std::uint32_t p) { return p < kAlphaMask; });
+}
+
+// Normals point away from the surface, which is blue, and heights are grey.
+bool lookLikeNormals(std::span<const std::uint32_t> pixels) {
+    std::uint64_t r = 0, g = 0, b = 0;
+    for (const std::uint32_t p : pixels) {
+        r += p & 255u;
+        g += p >> 8 & 255u;
+        b += p >> 16 & 255u;
+    }
+    const std::uint64_t margin = 24 * pixels.size();
+    return b > 160 * pixels.size() && b > r + margin && b > g + margin;
+}
+
 class ImageLoader {
 public:
     ImageLoader(const aiScene& scene, ModelFolder& folder) : scene_(scene), folder_(folder) {}
 
-    // Index of the texture's image, or kNoImage and the reason.
-    std::uint32_t load(const TextureSource& texture, std::string& fault) {
-        const aiTexture* embedded = scene_.GetEmbeddedTexture(texture.name.c_str());
-        const auto path = embedded ? std::optional(texture.name) : folder_.find(texture.name);
-        if (!path) {
-            fault = "was not found in the model's folder";
+    // Index of the texture's image, or kNoImage and the reason. `fault` may be set beside an image, whose
+    // alpha then could not be had.
+    std::uint32_t load(const TextureSource& texture, std::uint32_t space, std::string& fault) {
+        const auto file = pathOf(texture.name), alphaFile = pathOf(texture.alphaName);
+        if (!file || (file->empty() && !alphaFile)) {
+            fault = kNotFound;
             return kNoImage;
         }
-        if (!decoded_.contains(*path))
-            decoded_[*path] = embedded ? decodeEmbedded(*embedded, *path, result.pixels) : decodeFile(*path);
-        const Decoded& image = decoded_[*path];
-        fault = image.fault;
-        return image.width == 0 ? kNoImage : place(image, *path, texture);
+        const FileAndAlpha files(*file, alphaFile.value_or(""));
+        const auto [entry, isNew] = decoded_.try_emplace(files);
+        if (isNew) entry->second = decodeWithAlpha(files.first, files.second);
+        const Decoded& image = entry->second;
+        fault =
+            alphaFile ? image.fault : fmt::format("has no opacity: '{}' {}", texture.alphaName, kNotFound);
+        if (image.width > 0 && texture.mayBeHeights && !lookLikeNormals(pixelsOf(image))) {
+            fault = "holds heights, not normals";
+            return kNoImage;
+        }
+        return image.width == 0 ? kNoImage : place(image, files.first, texture, space);
     }
 
     LoadedImages result;
 
 private:
-    Decoded decodeFile(const std::string& path) {
+    using FileAndAlpha = std::pair<std::string, std::string>;
+
+    // The name itself where it is inside the model, "" for "", nothing where no file is found.
+    std::optional<std::string> pathOf(const std::string& name) const {
+        return name.empty() || scene_.GetEmbeddedTexture(name.c_str()) ? name : folder_.find(name);
+    }
+
+    std::span<std::uint32_t> pixelsOf(const Decoded& image) {
+        return {result.pixels.data() + image.firstPixel, image.pixelCount()};
+    }
+
+    Decoded decodeAny(const std::string& path, std::vector<std::uint32_t>& pixels) {
+        if (const aiTexture* embedded = scene_.GetEmbeddedTexture(path.c_str()))
+            return decodeEmbedded(*embedded, path, pixels);
         if (faccessat(AT_FDCWD, path.c_str(), R_OK, AT_EACCESS) != 0)
             return {.fault = fmt::format("cannot be opened: {}", std::strerror(errno))};
         folder_.addRead(path);
-        return decode(readFile(path), path, result.pixels);
+        return decode(readFile(path), path, pixels);
     }
 
-    std::uint32_t place(const Decoded& image, const std::string& path, const TextureSource& texture) {
+    // Decodes `file` with its own alpha, that of `alphaFile`, or none (""). An image that is opaque anyway
+    // serves as both of the first and the last.
+    Decoded decodeWithAlpha(const std::string& file, const std::string& alphaFile) {
+        if (file.empty()) return decodeAlphaOnly(alphaFile);
+        const bool own = file == alphaFile;
+        const auto other = decoded_.find({file, own ? "" : file});
+        if ((own || alphaFile.empty()) && other != decoded_.end() && !other->second.isClear)
+            return other->second;
+        Decoded image = decodeAny(file, result.pixels);
+        const std::span<std::uint32_t> pixels = pixelsOf(image);
+        image.isClear = isClearSomewhere(pixels);
+        if (own) return image;
+        if (image.isClear)
+            for (std::uint32_t& pixel : pixels) pixel |= kAlphaMask;
+        if (!alphaFile.empty() && image.width > 0) takeAlpha(image, alphaFile);
+        return image;
+    }
+
+    // White, of the size of the image whose alpha it takes.
+    Decoded decodeAlphaOnly(const std::string& alphaFile) {
+        Decoded image = decodeAny(alphaFile, result.pixels);
+        const std::span<std::uint32_t> pixels = pixelsOf(image);
+        const bool ownAlpha = isClearSomewhere(pixels);
+        for (std::uint32_t& p : pixels) p = (ownAlpha ? p & kAlphaMask : p << 24) | 0x00FFFFFFu;
+        return image;
+    }
+
+    // The nearest texel's, where the sizes differ.
+    void takeAlpha(Decoded& image, const std::string& alphaFile) {
+        std::vector<std::uint32_t> alpha;
+        const Decoded from = decodeAny(alphaFile, alpha);
+        if (from.width == 0) {
+            image.fault = fmt::format("has no opacity: '{}' {}", alphaFile, from.fault);
+            return;
+        }
+        const bool ownAlpha = isClearSomewhere(alpha);
+        const std::span<std::uint32_t> pixels = pixelsOf(image);
+        for (std::size_t i = 0; i < pixels.size(); ++i) {
+            const std::size_t x = i % image.width * from.width / image.width;
+            const std::size_t y = i / image.width * from.height / image.height;
+            const std::uint32_t p = alpha[y * from.width + x];
+            pixels[i] = (pixels[i] & ~kAlphaMask) | (ownAlpha ? p & kAlphaMask : p << 24);
+        }
+    }
+
+    std::uint32_t place(const Decoded& image, const std::string& file, const TextureSource& texture,
+                        std::uint32_t space) {
         const auto next = static_cast<std::uint32_t>(result.images.size());
-        const auto [entry, isNew] = placed_.try_emplace({path, texture.wrapU, texture.wrapV}, next);
+        // Versions that share their pixels share their image as well.
+        const auto [entry, isNew] =
+            placed_.try_emplace({file, image.firstPixel, texture.wrapU, texture.wrapV, space}, next);
         if (isNew)
             result.images.push_back(
-                {image.width, image.height, texture.wrapU, texture.wrapV, image.firstPixel, kImageSrgb, 0});
+                {image.width, image.height, texture.wrapU, texture.wrapV, image.firstPixel, space, 0});
         return entry->second;
     }
 
     const aiScene& scene_;
     ModelFolder& folder_;
-    std::map<std::string, Decoded> decoded_;
-    std::map<std::tuple<std::string, std::uint32_t, std::uint32_t>, std::uint32_t> placed_;
+    std::map<FileAndAlpha, Decoded> decoded_;
+    std::map<std::tuple<std::string, std::uint64_t, std::uint32_t, std::uint32_t, std::uint32_t>,
+             std::uint32_t>
+        placed_;
 };
+
+std::uint32_t spaceOf(TextureUse use) {
+    return use == TextureUse::BaseColor || use == TextureUse::Emission ? kImageSrgb : kImageLinear;
+}
+
+std::uint32_t& imageOf(Material& material, TextureUse use) {
+    if (use == TextureUse::Transmission) return material.more.x;
+    return material.images[static_cast<int>(use)]; // the first four stand in this order
+}
+
+std::string consequenceOf(TextureUse use) {
+    return use == TextureUse::BaseColor ? "its colour factor stands alone"
+                                        : fmt::format("there is no {} image", nameOf(use));
+}
 
 } // namespace
 
 LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials, ModelFolder& folder,
                         std::vector<std::string>& warnings) {
     ImageLoader loader(scene, folder);
-    for (MaterialSource& source : materials) {
-        if (!source.texture) continue;
-        std::string fault;
-        source.material.images.x = loader.load(*source.texture, fault);
-        if (!fault.empty())
-            warnings.push_back(fmt::format("material '{}': texture '{}' {}; its colour factor stands alone",
-                                           source.name, source.texture->name, fault));
-    }
+    for (MaterialSource& source : materials)
+        for (unsigned i = 0; i < kTextureUses; ++i) {
+            if (!source.textures[i]) continue;
+            const auto use = static_cast<TextureUse>(i);
+            const TextureSource texture = *source.textures[i];
+            std::string fault;
+            std::uint32_t& image = imageOf(source.material, use);
+            image = loader.load(texture, spaceOf(use), fault);
+            if (image == kNoImage) dropTexture(source, use);
+            if (!fault.empty())
+                warnings.push_back(fmt::format("material '{}': texture '{}' {}; {}", source.name,
+                                               texture.name.empty() ? texture.alphaName : texture.name, fault,
+                                               image == kNoImage ? consequenceOf(use) : "it is opaque"));
+        }
     return std::move(loader.result);
 }
 

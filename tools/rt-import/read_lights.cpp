@@ -9,56 +9,111 @@
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace rt {
 namespace {
 
-glm::dmat4 worldFromNode(const aiNode* node) {
-    glm::dmat4 world(1.0);
-    for (; node; node = node->mParent) world = mat4Of(node->mTransformation) * world;
-    return world;
-}
-
-bool isFinite(const glm::dvec3& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+bool hasPlace(const aiLight& light) {
+    return light.mType == aiLightSource_POINT || light.mType == aiLightSource_SPOT;
 }
 
 bool fallsOff(const aiLight& light) {
     return light.mAttenuationLinear != 0.0f || light.mAttenuationQuadratic != 0.0f;
 }
 
-Light readPointLight(const aiLight& light, const aiNode* root, const glm::vec3& sceneCentre) {
-    const glm::dmat4 world = worldFromNode(root->FindNode(light.mName));
-    const glm::dvec3 position(world * glm::dvec4(vec3Of(light.mPosition), 1.0));
-    const glm::dvec3 color(light.mColorDiffuse.r, light.mColorDiffuse.g, light.mColorDiffuse.b);
-    const glm::dvec3 toCentre = glm::dvec3(sceneCentre) - position;
-    // Our lights give intensity / (pi d^2); this makes it the colour itself at the centre.
-    const double scale = fallsOff(light) ? 1.0 : glm::pi<double>() * glm::dot(toCentre, toCentre);
-    return pointLight(glm::vec3(position), glm::vec3(glm::max(color * scale, 0.0)));
+// Not finite for a direction of length 0, which isValid() refuses.
+vec3 unitVector(const glm::dvec3& v) {
+    return vec3(v / glm::length(v));
+}
+
+void setCone(const aiLight& source, SpotAngles angles, Light& light) {
+    const float scale = angles == SpotAngles::FromAxis ? 1.0f : 0.5f;
+    const float outer = std::clamp(scale * source.mAngleOuterCone, 0.0f, glm::pi<float>());
+    const float inner = std::clamp(scale * source.mAngleInnerCone, 0.0f, outer);
+    light.direction.w = std::cos(outer);
+    light.edgeU.w = std::max(std::cos(inner), light.direction.w);
+}
+
+// A transform may skew the rectangle to a parallelogram; the second edge is then set upright, which keeps the
+// area.
+void setRectangle(const aiLight& source, const glm::dmat3& linear, Light& light) {
+    const glm::dvec3 normal(vec3Of(source.mDirection)), up(vec3Of(source.mUp));
+    const glm::dvec3 u =
+        linear * (glm::normalize(glm::cross(normal, up)) * (0.5 * static_cast<double>(source.mSize.x)));
+    const glm::dvec3 skewed = linear * (glm::normalize(glm::cross(glm::cross(normal, up), normal)) *
+                                        (0.5 * static_cast<double>(source.mSize.y)));
+    const glm::dvec3 v = skewed - u * (glm::dot(skewed, u) / glm::dot(u, u));
+    const glm::dvec3 across = glm::cross(u, v);
+    light.direction = vec4(unitVector(glm::dot(across, linear * normal) < 0.0 ? -across : across), 0.0f);
+    light.edgeU = vec4(vec3(u), 0.0f);
+    light.edgeV = vec4(vec3(v), 0.0f);
+}
+
+std::optional<std::uint32_t> kindOf(const aiLight& light) {
+    switch (light.mType) {
+    case aiLightSource_POINT:
+        return kLightPoint;
+    case aiLightSource_DIRECTIONAL:
+        return kLightDirectional;
+    case aiLightSource_SPOT:
+        return kLightSpot;
+    case aiLightSource_AREA:
+        return kLightRectangle;
+    default:
+        return std::nullopt;
+    }
+}
+
+Light readLight(const aiLight& source, std::uint32_t kind, const aiNode* node, const aiNode* owner,
+                const glm::vec3& sceneCentre, SpotAngles spotAngles) {
+    const glm::dmat3 linear(worldFromNode(node));
+    Light light{};
+    light.kind.x = kind;
+    glm::dvec3 color(source.mColorDiffuse.r, source.mColorDiffuse.g, source.mColorDiffuse.b);
+    if (kind != kLightDirectional) {
+        const glm::dvec3 position = worldPosition(node, owner, glm::dvec3(vec3Of(source.mPosition)));
+        light.position = vec4(vec3(position), 0.0f);
+        const glm::dvec3 toCentre = glm::dvec3(sceneCentre) - position;
+        // Our lights give intensity / (pi d^2); this makes it the colour itself at the centre.
+        if (hasPlace(source) && !fallsOff(source)) color *= glm::pi<double>() * glm::dot(toCentre, toCentre);
+    }
+    light.intensity = vec4(vec3(glm::max(color, 0.0)), 0.0f);
+    if (kind == kLightDirectional || kind == kLightSpot)
+        light.direction = vec4(unitVector(linear * glm::dvec3(vec3Of(source.mDirection))), 0.0f);
+    if (kind == kLightSpot) setCone(source, spotAngles, light);
+    if (kind == kLightRectangle) setRectangle(source, linear, light);
+    return light;
 }
 
 } // namespace
 
-std::vector<Light> readPointLights(const aiScene& scene, const glm::vec3& sceneCentre,
-                                   std::vector<std::string>& warnings) {
+std::vector<Light> readLights(const aiScene& scene, const NodesByName& nodes, const glm::vec3& sceneCentre,
+                              SpotAngles spotAngles, std::vector<std::string>& warnings) {
     std::vector<Light> lights;
     unsigned otherKinds = 0, constant = 0, broken = 0;
     for (unsigned i = 0; i < scene.mNumLights; ++i) {
         const aiLight& source = *scene.mLights[i];
-        if (source.mType != aiLightSource_POINT) {
-            ++otherKinds;
-            continue;
+        const auto kind = kindOf(source);
+        otherKinds += !kind;
+        if (!kind) continue;
+        const aiNode* owner = scene.mRootNode->FindNode(source.mName);
+        for (const aiNode* node : nodesOf(source.mName.C_Str(), nodes, scene.mRootNode)) {
+            const Light light = readLight(source, *kind, node, owner, sceneCentre, spotAngles);
+            const bool valid = isValid(light);
+            if (valid) lights.push_back(light);
+            broken += !valid;
+            constant += valid && hasPlace(source) && !fallsOff(source);
         }
-        const Light light = readPointLight(source, scene.mRootNode, sceneCentre);
-        const bool finite = isFinite(glm::dvec3(light.position)) && isFinite(glm::dvec3(light.intensity));
-        if (finite) lights.push_back(light);
-        broken += !finite;
-        constant += finite && !fallsOff(source);
     }
     if (otherKinds > 0)
-        warnings.push_back(fmt::format("{} lights are no point lights and are left out", otherKinds));
-    if (broken > 0) warnings.push_back(fmt::format("{} lights are not finite and are left out", broken));
+        warnings.push_back(fmt::format(
+            "{} lights are neither points, spots, directional nor areas and are left out", otherKinds));
+    if (broken > 0)
+        warnings.push_back(
+            fmt::format("{} lights are not finite or have no direction or size and are left out", broken));
     if (constant > 0)
         warnings.push_back(
             fmt::format("{} lights have no fall-off in the file; they get one that keeps their "

@@ -1,6 +1,7 @@
 #include "tools/rt-import/read_materials.h"
 
 #include "formats/mesh.h"
+#include "tools/rt-import/material_property.h"
 
 #include <assimp/GltfMaterial.h>
 #include <assimp/ObjMaterial.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rt {
 namespace {
@@ -16,165 +18,169 @@ namespace {
 constexpr float kDefaultGrey = 0.8f;
 constexpr float kGlassIor = 1.5f;
 constexpr float kMaxIor = 100.0f;
+constexpr MaterialKey kGltfUnlit{"$mat.gltf.unlit", 0, 0}; // Assimp names it in a deprecated header only
 
-struct Key {
-    const char* name;
-    unsigned type;
-    unsigned index;
-};
-
-// Assimp's AI_MATKEY_* macros expand to these three.
-template <class T>
-std::optional<T> get(const aiMaterial& source, Key key) {
-    T value{};
-    if (source.Get(key.name, key.type, key.index, value) != aiReturn_SUCCESS) return std::nullopt;
-    return value;
+std::optional<TextureSource>& textureOf(MaterialSource& source, TextureUse use) {
+    return source.textures[static_cast<unsigned>(use)];
 }
 
-float number(const aiMaterial& source, Key key, float fallback) {
-    const float value = get<ai_real>(source, key).value_or(fallback);
-    return std::isfinite(value) ? value : fallback;
+float share(float value) {
+    return clampNumber(value, 0.0f, 1.0f);
 }
 
-float clampNumber(float value, float lo, float hi) {
-    return std::isfinite(value) ? std::clamp(value, lo, hi) : lo;
+// Opacity is stated outright, mirrors are often guesses of an exporter: what is let through comes first.
+void setOptics(Material& material, float mirror, float transmission, float ior) {
+    const float through = share(transmission);
+    material.reflection.w = clampNumber(mirror, 0.0f, 1.0f - through);
+    const float rest = 1.0f - material.reflection.w; // of which our transmission is a part
+    material.transmission.x = rest > 0.0f ? share(through / rest) : 0.0f;
+    material.transmission.y = clampNumber(ior, 1.0f, kMaxIor);
+    if (material.transmission.x > 0.0f) material.reflection.y = 0.0f; // clear, unless the file says more
 }
 
-vec4 clampColor(const aiColor4D& color, float hi, float alpha) {
-    return {clampNumber(color.r, 0.0f, hi), clampNumber(color.g, 0.0f, hi), clampNumber(color.b, 0.0f, hi),
-            alpha};
-}
-
-// GetTextureCount() would not do: Assimp keeps glTF's thickness as the second of the transmission textures.
-bool hasTexture(const aiMaterial& source, aiTextureType type) {
-    return get<aiString>(source, {AI_MATKEY_TEXTURE(type, 0)}).has_value();
-}
-
-struct Optics {
-    float reflectivity;
-    float transmission;
-    float ior;
-};
-
-// illum 2 has a highlight only; 3 and above ask for ray-traced mirrors, 4, 6, 7 and 9 for glass.
-Optics readMtlOptics(const aiMaterial& source, int illum) {
+// illum 2 has a highlight only; 3 and above ask for ray-traced mirrors, 4, 6, 7 and 9 for glass, 5 and 7 for
+// Fresnel's equations.
+void readMtlOptics(const aiMaterial& source, int illum, Material& material) {
     const bool mirrors = illum >= 3 && illum <= 9;
     const bool glass = illum == 4 || illum == 6 || illum == 7 || illum == 9;
-    const aiColor4D specular =
-        get<aiColor4D>(source, {AI_MATKEY_COLOR_SPECULAR}).value_or(aiColor4D(0, 0, 0, 0));
-    const float ior = number(source, {AI_MATKEY_REFRACTI}, 1.0f); // 1 also where the file has no Ni
-    return {mirrors ? std::max({specular.r, specular.g, specular.b}) : 0.0f,
-            1.0f - number(source, {AI_MATKEY_OPACITY}, 1.0f), glass && ior <= 1.0f ? kGlassIor : ior};
+    const vec4 specular = findColor(source, {AI_MATKEY_COLOR_SPECULAR}).value_or(vec4(0.0f));
+    const float ior = numberOr(source, {AI_MATKEY_REFRACTI}, 1.0f); // 1 also where the file has no Ni
+    setOptics(material, mirrors ? std::max({specular.r, specular.g, specular.b}) : 0.0f,
+              1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f), glass && ior <= 1.0f ? kGlassIor : ior);
+    const auto metallic = findNumber(source, {AI_MATKEY_METALLIC_FACTOR});   // Pm
+    const auto roughness = findNumber(source, {AI_MATKEY_ROUGHNESS_FACTOR}); // Pr
+    const bool textured = findText(source, {AI_MATKEY_TEXTURE(aiTextureType_METALNESS, 0)}).has_value();
+    material.reflection.x = textured ? 0.0f : share(metallic.value_or(0.0f));
+    material.reflection.y = share(roughness.value_or(material.reflection.y));
+    material.reflection.z = illum == 5 || illum == 7 || metallic || roughness ? 1.0f : 0.0f;
 }
 
-Optics readGltfOptics(const aiMaterial& source, const std::string& alphaMode,
-                      std::vector<std::string>& lost) {
-    // A rough metal scatters; only the smooth part of it is a mirror.
-    float mirror = number(source, {AI_MATKEY_METALLIC_FACTOR}, 0.0f) *
-                   (1.0f - number(source, {AI_MATKEY_ROUGHNESS_FACTOR}, 1.0f));
-    if (mirror > 0.0f && hasTexture(source, aiTextureType_METALNESS)) {
-        mirror = 0.0f;
-        lost.emplace_back("metalness texture");
+void readVolume(const aiMaterial& source, Material& material) {
+    const float thickness = numberOr(source, {AI_MATKEY_VOLUME_THICKNESS_FACTOR}, 0.0f);
+    if (thickness <= 0.0f) {
+        if (material.transmission.x > 0.0f) material.more.y |= kMaterialThin;
+        return;
     }
-    float transmission = number(source, {AI_MATKEY_TRANSMISSION_FACTOR}, 0.0f);
-    if (transmission > 0.0f && hasTexture(source, aiTextureType_TRANSMISSION)) {
-        transmission = 0.0f;
-        lost.emplace_back("transmission texture");
-    }
-    if (alphaMode == "MASK") lost.emplace_back("alpha mask");
-    if (transmission <= 0.0f && alphaMode == "BLEND") // coverage: light passes without bending
-        return {mirror, 1.0f - number(source, {AI_MATKEY_OPACITY}, 1.0f), 1.0f};
-    return {mirror, transmission, number(source, {AI_MATKEY_REFRACTI}, kGlassIor)};
+    // Infinite, which is "never", where the file has none.
+    const float distance = numberOr(source, {AI_MATKEY_VOLUME_ATTENUATION_DISTANCE}, 0.0f);
+    material.transmission.z = std::max(distance, 0.0f);
+    const auto color = findColor(source, {AI_MATKEY_VOLUME_ATTENUATION_COLOR});
+    if (color) material.attenuation = vec4(clampColor(*color, 1.0f), material.attenuation.w);
 }
 
-Optics readOptics(const aiMaterial& source, std::vector<std::string>& lost) {
-    if (const auto illum = get<int>(source, {AI_MATKEY_OBJ_ILLUM})) return readMtlOptics(source, *illum);
-    if (const auto alphaMode = get<aiString>(source, {AI_MATKEY_GLTF_ALPHAMODE}))
-        return readGltfOptics(source, alphaMode->C_Str(), lost);
-    return {number(source, {AI_MATKEY_REFLECTIVITY}, 0.0f), 1.0f - number(source, {AI_MATKEY_OPACITY}, 1.0f),
-            number(source, {AI_MATKEY_REFRACTI}, 1.0f)};
-}
-
-vec4 clampOptics(const Optics& optics) {
-    const float transmission = clampNumber(optics.transmission, 0.0f, 1.0f);
-    // Opacity is stated outright, mirrors are often guesses of an exporter: what is let through comes first.
-    const float reflectivity = clampNumber(optics.reflectivity, 0.0f, 1.0f - transmission);
-    const float rest = reflectivity < 1.0f ? transmission / (1.0f - reflectivity) : 0.0f;
-    return {reflectivity, rest, clampNumber(optics.ior, 1.0f, kMaxIor), 0.0f};
-}
-
-std::uint32_t wrapOf(const aiMaterial& source, Key key) {
-    switch (get<int>(source, key).value_or(aiTextureMapMode_Wrap)) {
-    case aiTextureMapMode_Clamp:
-    case aiTextureMapMode_Decal:
-        return kWrapClamp;
-    case aiTextureMapMode_Mirror:
-        return kWrapMirror;
-    default:
-        return kWrapRepeat;
+void readOpacity(const aiMaterial& source, const std::string& alphaMode, MaterialSource& result) {
+    const float cutoff = numberOr(source, {AI_MATKEY_GLTF_ALPHACUTOFF}, 0.5f);
+    const bool masked = alphaMode == "MASK" && cutoff > 0.0f; // with 0 all of it is there
+    if (masked || alphaMode == "BLEND") {
+        result.material.baseColor.a = share(numberOr(source, {AI_MATKEY_OPACITY}, 1.0f));
+        if (masked) result.material.transmission.w = share(cutoff);
+    } else if (auto& texture = textureOf(result, TextureUse::BaseColor)) {
+        texture->alphaName.clear();
     }
 }
 
-bool isIdentity(const aiUVTransform& t) {
-    return t.mTranslation == aiVector2D(0, 0) && t.mScaling == aiVector2D(1, 1) && t.mRotation == 0.0f;
-}
-
-std::optional<TextureSource> readTexture(const aiMaterial& source, std::vector<std::string>& lost) {
-    const auto type =
-        hasTexture(source, aiTextureType_BASE_COLOR) ? aiTextureType_BASE_COLOR : aiTextureType_DIFFUSE;
-    const auto name = get<aiString>(source, {AI_MATKEY_TEXTURE(type, 0)});
-    if (!name || name->length == 0) return std::nullopt;
-    if (!isIdentity(get<aiUVTransform>(source, {AI_MATKEY_UVTRANSFORM(type, 0)}).value_or(aiUVTransform())))
-        lost.emplace_back("texture transform");
-    return TextureSource{
-        name->C_Str(), wrapOf(source, {AI_MATKEY_MAPPINGMODE_U(type, 0)}),
-        wrapOf(source, {AI_MATKEY_MAPPINGMODE_V(type, 0)}),
-        static_cast<std::uint32_t>(std::max(0, get<int>(source, {AI_MATKEY_UVWSRC(type, 0)}).value_or(0)))};
-}
-
-vec4 readEmission(const aiMaterial& source, std::vector<std::string>& lost) {
-    const auto color = get<aiColor4D>(source, {AI_MATKEY_COLOR_EMISSIVE});
-    if (!color || (color->r <= 0.0f && color->g <= 0.0f && color->b <= 0.0f)) return vec4(0.0f);
-    if (hasTexture(source, aiTextureType_EMISSIVE)) { // the factor alone would make the whole surface glow
-        lost.emplace_back("emission texture");
-        return vec4(0.0f);
+void readGltf(const aiMaterial& source, const std::string& alphaMode, MaterialSource& result,
+              std::vector<std::string>& lost) {
+    Material& material = result.material;
+    setOptics(material, 0.0f, numberOr(source, {AI_MATKEY_TRANSMISSION_FACTOR}, 0.0f),
+              numberOr(source, {AI_MATKEY_REFRACTI}, kGlassIor));
+    material.reflection.x = share(numberOr(source, {AI_MATKEY_METALLIC_FACTOR}, 1.0f));
+    material.reflection.y = share(numberOr(source, {AI_MATKEY_ROUGHNESS_FACTOR}, 1.0f));
+    material.reflection.z = 1.0f;
+    if (const auto glossiness = findNumber(source, {AI_MATKEY_GLOSSINESS_FACTOR})) {
+        material.reflection.x = 0.0f;
+        material.reflection.y = share(1.0f - *glossiness);
+        lost.emplace_back("specular colour");
     }
-    return clampColor(*color * number(source, {AI_MATKEY_EMISSIVE_INTENSITY}, 1.0f),
-                      std::numeric_limits<float>::max(), 0.0f);
+    readVolume(source, material);
+    readOpacity(source, alphaMode, result);
+    if (numberOr(source, {AI_MATKEY_CLEARCOAT_FACTOR}, 0.0f) > 0.0f) lost.emplace_back("clear coat");
+    if (findColor(source, {AI_MATKEY_SHEEN_COLOR_FACTOR})) lost.emplace_back("sheen");
+}
+
+void readOptics(const aiMaterial& source, MaterialSource& result, std::vector<std::string>& lost) {
+    if (const auto illum = findInteger(source, {AI_MATKEY_OBJ_ILLUM}))
+        readMtlOptics(source, *illum, result.material);
+    else if (const auto alphaMode = findText(source, {AI_MATKEY_GLTF_ALPHAMODE}))
+        readGltf(source, *alphaMode, result, lost);
+    else
+        setOptics(result.material, numberOr(source, {AI_MATKEY_REFLECTIVITY}, 0.0f),
+                  1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f),
+                  numberOr(source, {AI_MATKEY_REFRACTI}, 1.0f));
+}
+
+// The base colour is all that counts; the rest is for renderers that do not know "unlit".
+void keepBaseColorOnly(MaterialSource& result) {
+    const vec4 baseColor = result.material.baseColor;
+    const float cutoff = result.material.transmission.w;
+    result.material = diffuseMaterial(vec3(1.0f));
+    result.material.baseColor = baseColor;
+    result.material.transmission.w = cutoff;
+    result.material.more.y = kMaterialUnlit;
+    for (unsigned use = 1; use < kTextureUses; ++use) result.textures[use].reset();
+}
+
+// Also drops the textures of what is zero anyway.
+void readFactorsOfTextures(const aiMaterial& source, float emissiveStrength, MaterialSource& result) {
+    const vec4 color = findColor(source, {AI_MATKEY_COLOR_EMISSIVE}).value_or(vec4(0.0f));
+    const float strength = numberOr(source, {AI_MATKEY_EMISSIVE_INTENSITY}, emissiveStrength);
+    const vec3 emission = clampColor(color * strength, std::numeric_limits<float>::max());
+    result.material.emission = vec4(emission, 0.0f);
+    if (emission == vec3(0.0f)) textureOf(result, TextureUse::Emission).reset();
+    if (result.material.transmission.x == 0.0f) textureOf(result, TextureUse::Transmission).reset();
+    const auto& normals = textureOf(result, TextureUse::Normals);
+    if (!normals) return;
+    const aiTextureType type = normals->mayBeHeights ? aiTextureType_HEIGHT : aiTextureType_NORMALS;
+    const float multiplier = numberOr(source, {AI_MATKEY_OBJ_BUMPMULT(type, 0)}, 1.0f);
+    result.material.attenuation.w = numberOr(source, {AI_MATKEY_GLTF_TEXTURE_SCALE(type, 0)}, multiplier);
 }
 
 // Assimp makes materials up where a file has none: named so, or for PLY nameless and pure white.
-bool isMadeUp(const std::string& name, const aiColor4D& color, const aiMaterial& source) {
-    const bool gltf = get<aiString>(source, {AI_MATKEY_GLTF_ALPHAMODE}).has_value();
-    return name == AI_DEFAULT_MATERIAL_NAME || (name.empty() && !gltf && color == aiColor4D(1, 1, 1, 1));
+bool isMadeUp(const std::string& name, const vec4& color, const aiMaterial& source) {
+    const bool gltf = findText(source, {AI_MATKEY_GLTF_ALPHAMODE}).has_value();
+    return name == AI_DEFAULT_MATERIAL_NAME || (name.empty() && !gltf && color == vec4(1.0f));
 }
 
 vec4 readBaseColor(const aiMaterial& source, const std::string& name, bool textured) {
-    const aiColor4D white(1, 1, 1, 1);
-    const auto diffuse = get<aiColor4D>(source, {AI_MATKEY_COLOR_DIFFUSE});
-    aiColor4D color = get<aiColor4D>(source, {AI_MATKEY_BASE_COLOR}).value_or(diffuse.value_or(white));
-    if (!textured && isMadeUp(name, color, source))
-        color = aiColor4D(kDefaultGrey, kDefaultGrey, kDefaultGrey, 1);
-    return clampColor(color, 1.0f, 1.0f);
+    const bool glossy = findNumber(source, {AI_MATKEY_GLOSSINESS_FACTOR}).has_value();
+    const auto diffuse = findColor(source, {AI_MATKEY_COLOR_DIFFUSE});
+    const auto base = glossy ? std::nullopt : findColor(source, {AI_MATKEY_BASE_COLOR});
+    const vec4 color = base.value_or(diffuse.value_or(vec4(1.0f)));
+    if (!textured && isMadeUp(name, color, source)) return vec4(vec3(kDefaultGrey), 1.0f);
+    return vec4(clampColor(color, 1.0f), 1.0f);
 }
 
 } // namespace
 
-MaterialSource readMaterial(const aiMaterial& source, std::vector<std::string>& warnings) {
-    std::vector<std::string> lost;
+MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& extras,
+                            std::vector<std::string>& warnings) {
+    std::vector<std::string> lost = extras.lost;
     MaterialSource result{{}, diffuseMaterial(vec3(1.0f)), {}};
-    result.name = get<aiString>(source, {AI_MATKEY_NAME}).value_or(aiString()).C_Str();
-    result.texture = readTexture(source, lost);
-    result.material.baseColor = readBaseColor(source, result.name, result.texture.has_value());
-    result.material.emission = readEmission(source, lost);
-    const vec4 optics = clampOptics(readOptics(source, lost));
-    result.material.reflection.y = optics.x > 0.0f || optics.y > 0.0f ? 0.0f : 1.0f;
-    result.material.reflection.w = optics.x;
-    result.material.transmission.x = optics.y;
-    result.material.transmission.y = optics.z;
+    result.name = findText(source, {AI_MATKEY_NAME}).value_or("");
+    result.textures = readTextures(source, lost);
+    result.material.baseColor =
+        readBaseColor(source, result.name, textureOf(result, TextureUse::BaseColor).has_value());
+    readOptics(source, result, lost);
+    result.material.reflection.z *= extras.specular;
+    readFactorsOfTextures(source, extras.emissiveStrength, result);
+    if (findInteger(source, kGltfUnlit).value_or(0) != 0) keepBaseColorOnly(result);
+    const auto& colors = textureOf(result, TextureUse::BaseColor);
+    if (result.material.baseColor.w < 1.0f || (colors && !colors->alphaName.empty()))
+        result.material.more.y |= kMaterialClear;
+    for (const TextureUse use : keepOneSetOfCoordinates(result.textures)) {
+        dropTexture(result, use);
+        lost.push_back(fmt::format("{} texture, which uses other texture coordinates,", nameOf(use)));
+    }
     for (const std::string& what : lost)
         warnings.push_back(fmt::format("material '{}': its {} is not carried over", result.name, what));
     return result;
+}
+
+void dropTexture(MaterialSource& source, TextureUse use) {
+    textureOf(source, use).reset();
+    if (use == TextureUse::Roughness) source.material.reflection.x = 0.0f; // metallic
+    if (use == TextureUse::Emission) source.material.emission = vec4(0.0f);
+    if (use == TextureUse::Transmission) source.material.transmission.x = 0.0f;
 }
 
 } // namespace rt

@@ -1,30 +1,22 @@
 #pragma once
-#include "formats/material.shared.h"
-
-#include <optional>
-#include <string>
-#include <vector>
-
-struct aiMaterial;
+#include "tools/rt-import/read_gltf_extras.h"
+#include "tools/rt-import/read_textures.h"
 
 namespace rt {
 
-/// A base-colour texture as the model file names it.
-struct TextureSource {
-    std::string name; ///< a file name, or what Assimp calls an image inside the model ("*0")
-    std::uint32_t wrapU = kWrapRepeat;
-    std::uint32_t wrapV = kWrapRepeat;
-    std::uint32_t uvChannel = 0; ///< which of a mesh's sets of texture coordinates it uses
-};
-
 struct MaterialSource {
     std::string name;
-    Material material; ///< images.x not yet set
-    std::optional<TextureSource> texture;
+    Material material; ///< its images are not yet set
+    TextureSources textures;
 };
 
 /// Maps a file's material to ours, by the table in README.md. Whatever the file says, the result is valid:
 /// numbers are finite and clamped to their ranges. What cannot be carried over adds a warning.
-MaterialSource readMaterial(const aiMaterial& source, std::vector<std::string>& warnings);
+MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& extras,
+                            std::vector<std::string>& warnings);
+
+/// Takes a texture away. The factor that it would have scaled counts as 0 then, not as everywhere 1; only a
+/// base colour or a roughness stays as its factor.
+void dropTexture(MaterialSource& source, TextureUse use);
 
 } // namespace rt

@@ -107,7 +107,8 @@ void appendVertices(const MeshInstance& instance, const glm::dmat3& worldFromNor
                                        : glm::vec3(0.0f));
         if (!options.texcoords) continue;
         const aiVector3D t = hasTexcoords ? mesh.mTextureCoords[channel][v] : aiVector3D(0, 0, 0);
-        soup.texcoords.push_back(isFinite(t) ? glm::vec2(t.x, t.y) : glm::vec2(0.0f));
+        const glm::vec2 moved = options.uvTransform[mesh.mMaterialIndex] * glm::vec3(t.x, t.y, 1.0f);
+        soup.texcoords.push_back(isFinite(glm::vec3(moved, 0.0f)) ? moved : glm::vec2(0.0f));
     }
 }
 

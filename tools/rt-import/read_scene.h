@@ -1,4 +1,5 @@
 #pragma once
+#include <glm/mat3x2.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -42,6 +43,7 @@ struct SoupOptions {
     bool normals = true;
     bool texcoords = false;
     std::vector<std::uint32_t> uvChannel; ///< per material of the scene
+    std::vector<glm::mat3x2> uvTransform; ///< the same; applied to (u, v, 1)
 };
 
 /// Places the instances in the world: positions by their transforms, normals by the inverse transpose,

@@ -17,6 +17,7 @@ namespace rt {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr unsigned kColorRows = 64; // so that directions are chosen evenly over the sphere
 constexpr const char* kOption = "--environment";
 
 std::string extensionOf(const std::string& path) {
@@ -98,7 +99,7 @@ EnvironmentMap loadEnvironment(const std::string& text) {
     if (isEnvironmentFile(text))
         map = readEnvironment(text);
     else
-        map = {2, 1, std::vector<glm::vec3>(2, parseColor(text, kOption)), {}};
+        map = {2, kColorRows, std::vector<glm::vec3>(2 * kColorRows, parseColor(text, kOption)), {}};
     map.cdf = environmentCdf(map.width, map.height, map.pixels);
     return map;
 }

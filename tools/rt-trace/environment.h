@@ -41,7 +41,7 @@ bool isEnvironmentFile(const std::string& text);
 void checkEnvironment(const std::string& text);
 
 /// From the channels R, G, B or Y of an EXR, from a Radiance HDR, or of one colour, "G" or "R,G,B", which
-/// becomes 2x1 pixels. What is negative or not finite becomes 0, with a warning. Throws Error{Usage},
+/// becomes 2x64 pixels. What is negative or not finite becomes 0, with a warning. Throws Error{Usage},
 /// Error{FileAccess}, Error{InvalidContent} or Error{LimitExceeded}.
 EnvironmentMap loadEnvironment(const std::string& text);
 

@@ -116,11 +116,15 @@ std::vector<glm::vec2> Film::readMoments(const glm::uvec4& window) const {
     return readImage<glm::vec2>(images_, RT_IMAGE_MOMENTS, window);
 }
 
-std::vector<Film::Plane> Film::save(const glm::uvec4& window) const {
-    std::vector<Plane> planes;
+bool Film::isSaved(unsigned unit) const {
+    return images_[unit].name() && unit != RT_IMAGE_COUNTERS;
+}
+
+std::vector<CheckpointPlane> Film::save(const glm::uvec4& window) const {
+    std::vector<CheckpointPlane> planes;
     for (unsigned unit = 0; unit < kImageCount; ++unit) {
-        if (!images_[unit].name() || unit == RT_IMAGE_COUNTERS) continue;
-        Plane& plane = planes.emplace_back(Plane{unit, {}});
+        if (!isSaved(unit)) continue;
+        CheckpointPlane& plane = planes.emplace_back(CheckpointPlane{unit});
         plane.words.resize(pixelsIn(window) * kFormats[unit].words);
         readTexels(images_[unit], window, kFormats[unit].format, kFormats[unit].type,
                    std::as_writable_bytes(std::span(plane.words)));
@@ -128,15 +132,18 @@ std::vector<Film::Plane> Film::save(const glm::uvec4& window) const {
     return planes;
 }
 
-void Film::restore(const glm::uvec4& window, std::span<const Plane> planes) const {
-    for (const Plane& plane : planes) {
-        const unsigned unit = plane.image;
-        if (unit >= kImageCount || !images_[unit].name() ||
-            plane.words.size() != pixelsIn(window) * kFormats[unit].words)
-            throw Error(ErrorKind::InvalidContent, "the planes are those of another picture");
-        writeTexels(images_[unit], window, kFormats[unit].format, kFormats[unit].type,
+bool Film::restore(const glm::uvec4& window, std::span<const CheckpointPlane> planes) const {
+    std::size_t wanted = 0;
+    for (unsigned unit = 0; unit < kImageCount; ++unit) wanted += isSaved(unit);
+    const bool same = std::all_of(planes.begin(), planes.end(), [&](const CheckpointPlane& plane) {
+        return plane.image < kImageCount && isSaved(plane.image) &&
+               plane.words.size() == pixelsIn(window) * kFormats[plane.image].words;
+    });
+    if (!same || planes.size() != wanted) return false;
+    for (const CheckpointPlane& plane : planes)
+        writeTexels(images_[plane.image], window, kFormats[plane.image].format, kFormats[plane.image].type,
                     std::as_bytes(std::span(plane.words)));
-    }
+    return true;
 }
 
 } // namespace rt

@@ -1,4 +1,5 @@
 #pragma once
+#include "formats/checkpoint_file.h"
 #include "tools/rt-trace/gl_limits.h"
 #include "tools/rt-trace/gl_objects.h"
 
@@ -40,17 +41,16 @@ public:
     /// Sums of the luminance squared and of the luminance; only of a film that has moments.
     std::vector<glm::vec2> readMoments(const glm::uvec4& window) const;
 
-    /// What the images of a film hold in a window, as they are: for checkpoints.
-    struct Plane {
-        unsigned image = 0; ///< RT_IMAGE_...
-        std::vector<std::uint32_t> words;
-    };
-    std::vector<Plane> save(const glm::uvec4& window) const;
-    /// Planes that save() gave for such a film and window. Throws Error{InvalidContent} for others.
-    void restore(const glm::uvec4& window, std::span<const Plane> planes) const;
+    /// What the images hold in a window, as it is.
+    std::vector<CheckpointPlane> save(const glm::uvec4& window) const;
+    /// Puts back what save() gave for such a film and window. False, and nothing done, if these are the
+    /// planes of another one.
+    bool restore(const glm::uvec4& window, std::span<const CheckpointPlane> planes) const;
 
 private:
-    static constexpr std::size_t kImageCount = 8;
+    static constexpr std::size_t kImageCount = kCheckpointPlanes;
+    bool isSaved(unsigned unit) const;
+
     glm::uvec2 size_;
     std::array<GlTexture, kImageCount> images_; // by image unit; those that are not there have no name
 };

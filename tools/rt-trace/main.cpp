@@ -1,5 +1,8 @@
 #include "common/binary_io.h"
+#include "common/log.h"
 #include "common/run_tool.h"
+#include "formats/atlas_file.h"
+#include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/options.h"
 #include "tools/rt-trace/trace_rays.h"
@@ -22,12 +25,22 @@ void printDevices() {
     rt::writeFile("-", text);
 }
 
+void printCameras(const std::string& path) {
+    const rt::AtlasFile file = rt::readAtlas(path);
+    if (file.atlas.cameras.empty()) rt::logInfo(path + ": has no cameras");
+    rt::writeFile("-", rt::cameraList(file.atlas.cameras));
+}
+
 int body(int argc, const char* const* argv) {
     const std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
     if (!options) return 0;
     rt::prepareGlEnvironment(options->common.threads);
     if (options->listDevices) {
         printDevices();
+        return 0;
+    }
+    if (options->listCameras) {
+        printCameras(options->scenePath);
         return 0;
     }
     for (const std::string& path : rt::outputsOf(*options)) rt::requireWritable(path);

@@ -48,6 +48,31 @@ void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
     for (CLI::Option* option : added) option->group(kQueryGroup);
 }
 
+void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
+    app.add_option("--device", options.device,
+                   "auto (hardware first), software, or an index of --list-devices")
+        ->type_name("auto|software|N")
+        ->capture_default_str();
+    app.add_flag("--list-devices", options.listDevices, "Print the devices and which of them can be used");
+    app.add_flag("--list-cameras", options.listCameras, "Print the scene's cameras");
+    app.add_flag("--explain", options.explain,
+                 "Print what the shader is compiled for, and why, and which parts of the atlas the device "
+                 "gets; without -o nothing else is done");
+    app.add_option("--precision", texts.precision,
+                   "Compute with 32 or 64 bits; double is slow, and the reference for errors of float. With "
+                   "--rays the "
+                   "hits are then float64 t, u, v, uint32 triangle, uint32 0")
+        ->check(CLI::IsMember({"float", "double"}).description(""))
+        ->type_name("float|double")
+        ->capture_default_str();
+    app.add_option("--intersect", texts.intersect,
+                   "Triangle test; the others than watertight lose rays that meet edges")
+        ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}).description(""))
+        ->type_name(fmt::format("{}", fmt::join(kIntersectNames, "|")))
+        ->capture_default_str();
+    app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
+}
+
 // Options of pictures and of ray queries do not mix.
 void checkGroups(const CLI::App& app, const TraceOptions& options) {
     const bool query = !options.raysPath.empty();
@@ -79,8 +104,9 @@ void checkDevice(const std::string& device) {
 
 void checkPaths(const TraceOptions& options) {
     if (options.scenePath.empty()) throw Error(ErrorKind::Usage, "no scene was named; see rt-trace --help");
-    if (options.listCameras || (options.explain && options.outputPaths.empty())) return;
-    if (options.outputPaths.empty()) throw Error(ErrorKind::Usage, "no output was named; add -o FILE");
+    if (options.listCameras) return;
+    if (options.outputPaths.empty() && !options.explain)
+        throw Error(ErrorKind::Usage, "no output was named; add -o FILE");
     const bool goesOn = options.resumePath == options.checkpointPath; // then both are one file
     const bool environmentFile = isEnvironmentFile(options.environment);
     requireDistinctPaths({options.scenePath, options.raysPath, options.cameraPath,
@@ -105,6 +131,7 @@ std::vector<std::string> outputsOf(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths)
         paths.push_back(options.frames ? framePath(path, options.frames->first).value_or(path) : path);
     if (!options.checkpointPath.empty()) paths.push_back(options.checkpointPath);
+    if (options.explain) paths.push_back("-");
     if (!options.common.jsonPath.empty()) paths.push_back(options.common.jsonPath);
     return paths;
 }
@@ -124,28 +151,7 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
         ->take_all();
     addPictureOptions(app, options, texts.picture);
     addQueryOptions(app, options, texts);
-    app.add_option("--device", options.device,
-                   "auto (hardware first), software, or an index of --list-devices")
-        ->type_name("auto|software|N")
-        ->capture_default_str();
-    app.add_flag("--list-devices", options.listDevices, "Print the devices and which of them can be used");
-    app.add_flag("--list-cameras", options.listCameras, "Print the scene's cameras");
-    app.add_flag("--explain", options.explain,
-                 "Print what the shader is compiled for, and why, and which parts of the atlas the device "
-                 "gets; without -o nothing else is done");
-    app.add_option("--precision", texts.precision,
-                   "Compute with 32 or 64 bits; double is slow, and the reference for errors of float. With "
-                   "--rays the "
-                   "hits are then float64 t, u, v, uint32 triangle, uint32 0")
-        ->check(CLI::IsMember({"float", "double"}).description(""))
-        ->type_name("float|double")
-        ->capture_default_str();
-    app.add_option("--intersect", texts.intersect,
-                   "Triangle test; the others than watertight lose rays that meet edges")
-        ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}).description(""))
-        ->type_name(fmt::format("{}", fmt::join(kIntersectNames, "|")))
-        ->capture_default_str();
-    app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
+    addDeviceOptions(app, options, texts);
     addCommonOptions(app, options.common,
                      fmt::format("libepoxy {}, OpenEXR {}", RT_EPOXY_VERSION, RT_OPENEXR_VERSION));
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;

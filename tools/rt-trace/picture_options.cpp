@@ -105,6 +105,22 @@ FrameRange parseFrames(const std::string& text) {
     return frames;
 }
 
+// What --help shows of them stands in the type's name.
+CLI::Validator oneOf(std::vector<std::string> names) {
+    return CLI::IsMember(std::move(names)).description("");
+}
+CLI::Validator notNegative() {
+    return CLI::Validator(CLI::NonNegativeNumber).description("");
+}
+CLI::Validator positive() {
+    return CLI::Validator(CLI::PositiveNumber).description("");
+}
+
+template <class Names>
+std::vector<std::string> listOf(const Names& names) {
+    return {names.begin(), names.end()};
+}
+
 void addCameraOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts) {
     CameraRequest& camera = options.camera;
     const std::vector<CLI::Option*> added = {
@@ -124,7 +140,8 @@ void addCameraOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
         app.add_option(
                "--projection", texts.view,
                "perspective; orthographic: no foreshortening; panorama: all around, 360 by 180 degrees")
-            ->check(CLI::IsMember({"perspective", "orthographic", "panorama"})),
+            ->check(oneOf({"perspective", "orthographic", "panorama"}))
+            ->type_name("perspective|orthographic|panorama"),
         app.add_option("--height", camera.height,
                        "Orthographic: height of what the picture shows; else that of the scene")
             ->type_name("H"),
@@ -155,7 +172,7 @@ void addLightOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts) 
             ->capture_default_str(),
         app.add_option("--occlusion", options.occlusion,
                        "Surfaces nearer than this hide ambient light; 0 = none does")
-            ->check(CLI::NonNegativeNumber)
+            ->check(notNegative())
             ->type_name("DIST")
             ->capture_default_str(),
         app.add_option("--background", texts.background, "Radiance behind the scene")
@@ -169,7 +186,7 @@ void addLightOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts) 
             ->type_name("DEG")
             ->capture_default_str(),
         app.add_option("--environment-strength", options.environmentStrength, "Makes it brighter or darker")
-            ->check(CLI::NonNegativeNumber)
+            ->check(notNegative())
             ->type_name("X")
             ->capture_default_str(),
         app.add_option("--max-depth", options.maxDepth, "Reflections and refractions in a row")
@@ -193,7 +210,8 @@ void addSampleOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
             ->type_name("N")
             ->capture_default_str(),
         app.add_option("--filter", texts.filter, "How samples round a pixel's middle count")
-            ->check(CLI::IsMember({kFilterNames[0], kFilterNames[1], kFilterNames[2], kFilterNames[3]}))
+            ->check(oneOf(listOf(kFilterNames)))
+            ->type_name(fmt::format("{}", fmt::join(kFilterNames, "|")))
             ->capture_default_str(),
         app.add_option("--filter-radius", texts.filterRadius,
                        "How far from the middle; else box 0.5, tent 1, gaussian 1.5, blackman-harris 2")
@@ -202,12 +220,12 @@ void addSampleOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
         app.add_option(
                "--time-limit", options.timeLimitSeconds,
                "Take no more samples after so many seconds of rendering; each pixel gets one at least")
-            ->check(CLI::PositiveNumber)
+            ->check(positive())
             ->type_name("SEC"),
         app.add_option("--target-error", options.targetError,
                        "Take no more samples in a tile of 32x32 pixels whose relative standard error is "
                        "this small, 0.02 say")
-            ->check(CLI::PositiveNumber)
+            ->check(positive())
             ->type_name("X"),
         app.add_option("--checkpoint", options.checkpointPath,
                        "Save the unfinished picture every 30 seconds and when the run is interrupted")
@@ -227,16 +245,18 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
             ->type_name("LIST")
             ->capture_default_str(),
         app.add_option("--tonemap", texts.toneMap, "How bright colours fit into a PNG; an EXR stays linear")
-            ->check(CLI::IsMember({kToneMapNames[0], kToneMapNames[1], kToneMapNames[2], kToneMapNames[3]}))
+            ->check(oneOf(listOf(kToneMapNames)))
+            ->type_name(fmt::format("{}", fmt::join(kToneMapNames, "|")))
             ->capture_default_str(),
         app.add_option("--exposure", options.exposureStops, "Brightens a PNG by 2^STOPS")
             ->type_name("STOPS")
             ->capture_default_str(),
         app.add_option("--heat", texts.heat,
                        "Instead of the scene show what it costs: steps or triangle tests per pixel")
-            ->check(CLI::IsMember({"steps", "tests"})),
+            ->check(oneOf({"steps", "tests"}))
+            ->type_name("steps|tests"),
         app.add_option("--heat-max", options.heatMost, "What --heat shows in yellow; else the picture's most")
-            ->check(CLI::PositiveNumber)
+            ->check(positive())
             ->type_name("N"),
         app.add_option(
                "--frames", texts.frames,
@@ -264,6 +284,10 @@ void checkFrames(const TraceOptions& options) {
     if (options.frames.has_value() != !options.cameraPath.empty())
         throwUsage("--frames and --camera-path go together");
     if (!options.frames) return;
+    const CameraRequest& camera = options.camera;
+    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees || !camera.name.empty())
+        throwUsage(
+            "--camera, --eye, --look-at, --up and --fov do not go with --camera-path, which says that");
     if (!options.checkpointPath.empty() || !options.resumePath.empty())
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
     for (const std::string& path : options.outputPaths)
@@ -308,6 +332,9 @@ void convertPictureTexts(const PictureTexts& texts, TraceOptions& options) {
     convertSamples(texts, options);
     options.toneMap = static_cast<ToneMap>(indexIn(kToneMapNames, texts.toneMap));
     if (!texts.heat.empty()) options.heat = texts.heat == "steps" ? Heat::Steps : Heat::Tests;
+    for (const double number : {options.environmentTurn, options.environmentStrength, options.exposureStops,
+                                options.occlusion, options.timeLimitSeconds, options.targetError})
+        if (!std::isfinite(number)) throwUsage("'nan' and 'inf' are no numbers for an option");
     if (options.heatMost > 0.0 && options.heat == Heat::None) throwUsage("--heat-max needs --heat");
     if (!texts.frames.empty()) options.frames = parseFrames(texts.frames);
     checkFrames(options);

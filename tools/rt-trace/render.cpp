@@ -13,6 +13,10 @@ namespace {
 constexpr unsigned kSoftwareRows = 64;          // of one dispatch; keeps the program interruptible
 constexpr unsigned kHardwarePixels = 16u << 20; // of one dispatch; displays' watchdogs stop long ones
 
+// Of a queue, for each invocation: few enough that all lanes of a device have work.
+constexpr unsigned kPixelsPerLane = 4;
+constexpr unsigned kGroupsAcross = 32768;
+
 unsigned tiles(unsigned pixels) {
     return (pixels + kTileSize - 1) / kTileSize;
 }
@@ -53,15 +57,20 @@ RenderParams wholePicture(glm::uvec2 size) {
     return params;
 }
 
-GpuView::GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights)
+GpuView::GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
+                 bool queue)
     : params_(params), cameraBuffer_(createBuffer(std::as_bytes(std::span(&camera, 1)))),
       paramsBuffer_(createDynamicBuffer(sizeof(RenderParams))),
-      lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))) {}
+      lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))) {
+    if (queue) queueBuffer_ = createDynamicBuffer(sizeof(std::uint32_t));
+}
 
 void GpuView::bind() const {
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_CAMERA, cameraBuffer_.name());
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_RENDER, paramsBuffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_LIGHTS, lightBuffer_.name());
+    if (queueBuffer_.name())
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_PIXELS, queueBuffer_.name());
     checkGl("binding the camera");
 }
 
@@ -71,6 +80,20 @@ void GpuView::setWork(const glm::uvec4& region, unsigned first, unsigned count) 
     params.samples.x = first;
     params.samples.y = count;
     updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
+}
+
+void GpuView::dispatch(const glm::uvec4& region, unsigned first, unsigned count) const {
+    setWork(region, first, count);
+    const glm::uvec2 groups(tiles(region.z - region.x), tiles(region.w - region.y));
+    if (!queueBuffer_.name()) {
+        glDispatchCompute(groups.x, groups.y, 1);
+        return;
+    }
+    constexpr std::uint32_t kNone = 0;
+    updateBuffer(queueBuffer_, std::as_bytes(std::span(&kNone, 1)));
+    const unsigned all = groups.x * groups.y;
+    const unsigned few = (all + kPixelsPerLane - 1) / kPixelsPerLane;
+    glDispatchCompute(std::min(few, kGroupsAcross), (few + kGroupsAcross - 1) / kGroupsAcross, 1);
 }
 
 void finishCompiling(const GlProgram& program, const GpuView& view) {
@@ -90,8 +113,7 @@ double renderRows(const GlProgram& program, const GpuView& view, const GlContext
     timer.begin();
     for (unsigned row = 0; row < size.y; row += band) {
         const unsigned end = std::min(row + band, size.y);
-        view.setWork({0, row, size.x, end}, params.samples.x, params.samples.y);
-        glDispatchCompute(tiles(size.x), tiles(end - row), 1);
+        view.dispatch({0, row, size.x, end}, params.samples.x, params.samples.y);
     }
     timer.end();
     const double elapsedMs = timer.elapsedMs();

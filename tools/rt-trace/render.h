@@ -26,15 +26,19 @@ RenderParams wholePicture(glm::uvec2 size);
 class GpuView {
 public:
     /// `lights` are in atlas space, see chooseLights().
-    GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights);
+    /// `queue`: the shader takes pixels from a queue (SceneFeatures::pixelQueue).
+    GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
+            bool queue = false);
     void bind() const;
     const RenderParams& params() const { return params_; }
     /// Makes the next dispatch render this region, [xy, zw), and `count` samples from `first` on.
     void setWork(const glm::uvec4& region, unsigned first, unsigned count) const;
+    /// setWork() and the dispatch itself.
+    void dispatch(const glm::uvec4& region, unsigned first, unsigned count) const;
 
 private:
     RenderParams params_;
-    GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_;
+    GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_, queueBuffer_;
 };
 
 /// Makes the driver finish compiling for what is bound: some do so at the first dispatch only.

@@ -18,8 +18,10 @@ namespace {
 constexpr double kDispatchMs = 150.0;       // aimed at; none should take 250: displays freeze, Ctrl-C waits
 constexpr double kMostGrowth = 4.0;         // from one dispatch to the next: costs differ over a picture
 constexpr double kFirstSoftware = 1u << 14; // samples of the first dispatch
+// Of a pixel in one dispatch: software renderers end an invocation after 65,535 rounds of all its loops
+// together.
+constexpr std::uint32_t kMostSoftware = 1;
 constexpr double kFirstHardware = 1u << 22;
-constexpr double kMostSamples = 1u << 30;
 constexpr double kSaveMs = 30e3;
 // The error is looked at each time that tiles have this many samples more, whatever the cuts.
 constexpr std::uint32_t kErrorSamples = 16;
@@ -28,21 +30,19 @@ constexpr double kDarkest = 0.01;
 /// How many samples, of all pixels together, a dispatch should have.
 class Pace {
 public:
-    explicit Pace(bool software) : samples_(software ? kFirstSoftware : kFirstHardware) {}
+    Pace(bool software, std::uint64_t most)
+        : most_(static_cast<double>(most)),
+          samples_(std::min(software ? kFirstSoftware : kFirstHardware, most_)) {}
     std::uint64_t samples() const { return static_cast<std::uint64_t>(samples_); }
     void learn(double dispatched, double elapsedMs) {
         const double wanted = dispatched * kDispatchMs / std::max(elapsedMs, 1e-3);
-        samples_ =
-            std::clamp(std::min(wanted, std::max(samples_, dispatched) * kMostGrowth), 1.0, kMostSamples);
+        samples_ = std::clamp(std::min(wanted, std::max(samples_, dispatched) * kMostGrowth), 1.0, most_);
     }
 
 private:
+    double most_;
     double samples_;
 };
-
-unsigned groups(unsigned pixels) {
-    return (pixels + kTileSize - 1) / kTileSize;
-}
 
 double samplesOf(const TileSamples& tiles, bool goals) {
     double sum = 0.0;
@@ -59,7 +59,8 @@ public:
     Loop(const GpuView& view, const Film& film, const GlContext& context, TileSamples& tiles,
          const LoopControl& control)
         : view_(view), film_(film), software_(context.device().software), tiles_(tiles), control_(control),
-          pace_(software_), progress_("samples", samplesOf(tiles, true), samplesOf(tiles, false)),
+          pace_(software_, control.mostSamples),
+          progress_("samples", samplesOf(tiles, true), samplesOf(tiles, false)),
           done_(samplesOf(tiles, false)), savedMs_(programMs()) {}
 
     LoopFigures run() {
@@ -80,6 +81,7 @@ private:
             count = std::min(count, kErrorSamples - round.samples % kErrorSamples);
         const std::uint64_t affordable =
             pace_.samples() / std::max<std::uint64_t>(tiles_.unfinishedPixels(), 1);
+        if (software_) count = std::min(count, kMostSoftware);
         count = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(affordable, 1, count));
         while (const auto region = tiles_.next(round.samples, pace_.samples() / count)) {
             if (control_.endMs > 0.0 && round.samples > 0 && programMs() >= control_.endMs) {
@@ -95,10 +97,8 @@ private:
     void dispatch(const TileSamples::Region& region, std::uint32_t count) {
         GpuTimer timer(software_);
         timer.begin();
-        view_.setWork(region.pixels, region.samples, count);
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
-        glDispatchCompute(groups(region.pixels.z - region.pixels.x),
-                          groups(region.pixels.w - region.pixels.y), 1);
+        view_.dispatch(region.pixels, region.samples, count);
         timer.end();
         const double elapsedMs = timer.elapsedMs();
         checkGl("rendering");
@@ -116,7 +116,7 @@ private:
         progress_.update(done_);
         const bool due = programMs() - savedMs_ > kSaveMs;
         if (control_.save && (due || stop_.made())) {
-            control_.save();
+            control_.save(figures_.gpuMs);
             savedMs_ = programMs();
         }
         if (!stop_.made()) return;

@@ -11,10 +11,12 @@ namespace rt {
 struct LoopControl {
     double targetError = 0.0; ///< of the mean, relative: tiles that are better get no more samples; 0 = off
     double endMs = 0.0;       ///< programMs() at which to end, once every pixel has a sample; 0 = never
-    /// After each dispatch that gave the region's pixels `count` more samples.
+    std::uint64_t mostSamples = std::uint64_t(1) << 30; ///< of a dispatch, all pixels together; for tests
+    /// After each dispatch; the region's counts are those before it.
     std::function<void(const TileSamples::Region& region)> afterDispatch = {};
-    /// Saves what there is; called now and then, and before the program ends because of a signal.
-    std::function<void()> save = {};
+    /// Saves what there is, of which this run took so many milliseconds on the device; called now and then,
+    /// and before the program ends because of a signal.
+    std::function<void(double gpuMs)> save = {};
 };
 
 struct LoopFigures {

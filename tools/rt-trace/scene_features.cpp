@@ -41,6 +41,8 @@ std::span<const FeatureRow> featureTable() {
         {"RT_VIEW", &SceneFeatures::view, "perspective, orthographic (1) or panorama (2)"},
         {"RT_HAS_LENS", &SceneFeatures::hasLens, "the camera has a lens"},
         {"RT_MULTISAMPLE", &SceneFeatures::multisample, "more than one sample per pixel"},
+        {"RT_PIXEL_QUEUE", &SceneFeatures::pixelQueue,
+         "a material in use transmits, so that pixels take very different numbers of rays; not on software"},
         {"RT_HAS_AOVS", &SceneFeatures::hasAovs, "channels beyond colour, N, Z and id were asked for"},
         {"RT_HAS_MOMENTS", &SceneFeatures::hasMoments, "the error is estimated"},
         {"RT_MAX_DEPTH", &SceneFeatures::maxDepth,

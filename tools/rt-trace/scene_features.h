@@ -34,6 +34,7 @@ struct SceneFeatures {
     unsigned view = 0; ///< kPerspectiveView, ...
     unsigned hasLens = 0;
     unsigned multisample = 0;
+    unsigned pixelQueue = 0;
     unsigned hasAovs = 0;
     unsigned hasMoments = 0;
     unsigned maxDepth = 0;

@@ -54,7 +54,7 @@ std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& fe
 // Storage buffers that the variant reads besides the arrays' pages.
 unsigned unpagedBuffers(const SceneFeatures& features, ShaderKind kind) {
     if (kind == ShaderKind::Query) return 2 + features.countWork + features.scatteredRays; // rays, hits
-    return 2 + features.hasTextures + features.hasEnvironment; // materials, lights
+    return 2 + features.hasTextures + features.hasEnvironment + features.pixelQueue; // materials, lights
 }
 
 // log2 of the most elements, a power of two, that `most` holds.
@@ -185,6 +185,10 @@ std::string renderText(const SceneFeatures& features) {
         text +=
             bufferText(RT_BUFFER_ENVIRONMENT, "readonly", "float", "environmentTable") +
             fmt::format("layout(binding = {}) uniform sampler2D environmentMap;\n", RT_TEXTURE_ENVIRONMENT);
+    if (features.pixelQueue)
+        text +=
+            fmt::format("layout(std430, binding = {}) restrict buffer PixelBlock {{ uint queuedPixels; }};\n",
+                        RT_BUFFER_PIXELS);
     if (features.countWork)
         text += imageText(RT_IMAGE_COUNTERS, "rgba32ui", "writeonly", "uimage2D", "counterImage");
     if (features.hasMoments) text += imageText(RT_IMAGE_MOMENTS, "rg32f", "", "image2D", "momentImage");

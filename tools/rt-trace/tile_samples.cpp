@@ -89,6 +89,25 @@ void TileSamples::add(const Region& region, std::uint32_t count) {
             tiles_[std::size_t(row) * count_.x + column].samples += count;
 }
 
+std::uint32_t TileSamples::least() const {
+    std::uint32_t least = std::numeric_limits<std::uint32_t>::max();
+    for (const Tile& tile : tiles_) least = std::min(least, tile.samples);
+    return least;
+}
+
+std::uint32_t TileSamples::most() const {
+    std::uint32_t most = 0;
+    for (const Tile& tile : tiles_) most = std::max(most, tile.samples);
+    return most;
+}
+
+double TileSamples::mean() const {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < tiles_.size(); ++i)
+        sum += double(Region{pixelsOf(i), 0}.pixelCount()) * tiles_[i].samples;
+    return sum / static_cast<double>(pixelCount());
+}
+
 std::vector<std::uint32_t> TileSamples::perPixel() const {
     std::vector<std::uint32_t> samples;
     samples.reserve(pixelCount());

@@ -54,6 +54,10 @@ public:
     /// The region's tiles have `count` more samples.
     void add(const Region& region, std::uint32_t count);
 
+    /// Samples of the tile that has the fewest, or the most; of a pixel on average.
+    std::uint32_t least() const;
+    std::uint32_t most() const;
+    double mean() const;
     /// Samples of each pixel of the window, row by row.
     std::vector<std::uint32_t> perPixel() const;
 

@@ -1,0 +1,291 @@
+// rt-trace's pictures as a user makes them: parts, samples, channels, checkpoints, frames.
+#include "formats/image_exr.h"
+#include "formats/mesh_file.h"
+#include "tests/support/make_mesh.h"
+#include "tests/support/read_text.h"
+#include "tests/support/run_command.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace rt {
+namespace {
+
+using test::CommandResult;
+using testing::HasSubstr;
+
+NamedCamera cameraNamed(const std::string& name, std::uint32_t kind, double z) {
+    NamedCamera camera{};
+    name.copy(camera.name, sizeof camera.name - 1);
+    camera.eye[2] = z;
+    camera.up[1] = 1.0;
+    camera.fovDegrees = kind == kCameraPerspective ? 30.0 : 0.0;
+    camera.height = kind == kCameraOrthographic ? 4.0 : 0.0;
+    camera.kind = kind;
+    return camera;
+}
+
+class PictureCommand : public testing::Test {
+protected:
+    static void SetUpTestSuite() {
+        folder = std::make_unique<test::TemporaryFolder>();
+        Mesh mesh = test::makeSphere(3);
+        mesh.cameras = std::vector<NamedCamera>{cameraNamed("front", kCameraPerspective, 5.0),
+                                                cameraNamed("plan view", kCameraOrthographic, 8.0)};
+        writeMesh(folder->file("s.rtmesh"), mesh);
+        const CommandResult grid = test::runCommand(
+            {RT_BIN_DIR "/rt-grid", folder->file("s.rtmesh"), "-o", folder->file("s.rtatlas")});
+        ASSERT_EQ(grid.exitCode, 0) << grid.err;
+    }
+    static void TearDownTestSuite() { folder.reset(); }
+
+    CommandResult trace(std::vector<std::string> arguments) const {
+        arguments.insert(arguments.begin(), {RT_BIN_DIR "/rt-trace", folder->file("s.rtatlas")});
+        return test::runCommand(arguments);
+    }
+    // Renders 64x64 pixels to an EXR, which comes back.
+    Image render(const std::string& name, std::vector<std::string> arguments) const {
+        arguments.insert(arguments.begin(), {"-o", out.file(name), "--size", "64x64", "--reproducible"});
+        const CommandResult result = trace(arguments);
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        return readExr(out.file(name));
+    }
+    nlohmann::json figures(std::vector<std::string> arguments) const {
+        arguments.insert(arguments.begin(), {"-o", out.file("j.exr"), "--json", out.file("j.json")});
+        const CommandResult result = trace(arguments);
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        return nlohmann::json::parse(test::readText(out.file("j.json")));
+    }
+    void expectUsage(std::vector<std::string> arguments, const std::string& message) const {
+        arguments.insert(arguments.begin(), {"-o", out.file("usage.exr")});
+        const CommandResult result = trace(arguments);
+        EXPECT_EQ(result.exitCode, 2) << result.err;
+        EXPECT_THAT(result.err, HasSubstr(message));
+        EXPECT_FALSE(std::filesystem::exists(out.file("usage.exr")));
+    }
+    std::string bytesOf(const std::string& name) const { return test::readText(out.file(name)); }
+
+    static std::unique_ptr<test::TemporaryFolder> folder;
+    test::TemporaryFolder out;
+};
+std::unique_ptr<test::TemporaryFolder> PictureCommand::folder;
+
+TEST_F(PictureCommand, ACropKnowsTheWholePicture) {
+    const Image whole = render("whole.exr", {"--spp", "3"});
+    const Image part =
+        render("part.exr", {"--spp", "3", "--crop", "20,10,45,50", "-o", out.file("part.png")});
+    EXPECT_EQ(part.width, 25u);
+    EXPECT_EQ(part.height, 40u);
+    EXPECT_EQ(part.frame, (ImageFrame{20, 10, 64, 64}));
+    EXPECT_FALSE(whole.frame);
+    EXPECT_EQ(part.matrices.at("worldToNDC"), whole.matrices.at("worldToNDC"));
+    for (const char* name : {"R", "A", "Z", "N.X"})
+        for (std::size_t y = 0; y < 40; ++y)
+            for (std::size_t x = 0; x < 25; ++x)
+                ASSERT_EQ(part.find(name)->values[y * 25 + x],
+                          whole.find(name)->values[(y + 10) * 64 + x + 20])
+                    << name << " at " << x << "," << y;
+    const std::string png = bytesOf("part.png");
+    EXPECT_EQ(png.substr(16, 8), std::string("\0\0\0\x19\0\0\0\x28", 8)); // IHDR: width, height
+}
+
+TEST_F(PictureCommand, ChannelsAreThoseThatWereAskedFor) {
+    const auto namesOf = [](const Image& image) {
+        std::vector<std::string> names;
+        for (const ImageChannel& channel : image.channels) names.push_back(channel.name);
+        return names;
+    };
+    EXPECT_THAT(namesOf(render("none.exr", {"--aov", "none"})), testing::ElementsAre("A", "B", "G", "R"));
+    EXPECT_THAT(namesOf(render("some.exr", {"--aov", "uv,P"})),
+                testing::ElementsAre("A", "B", "G", "P.X", "P.Y", "P.Z", "R", "uv.U", "uv.V"));
+    const Image all = render("all.exr", {"--aov", "all", "--spp", "4"});
+    EXPECT_EQ(all.channels.size(), 4u + 1 + 3 + 3 + 3 + 1 + 2 + 1 + 1 + 1);
+    const std::size_t middle = 32 * 64 + 32;
+    EXPECT_NEAR(all.find("albedo.R")->values[middle], all.find("albedo.G")->values[middle], 1e-6);
+    EXPECT_GT(all.find("steps")->values[middle], 0.0f);
+    EXPECT_GT(all.find("variance")->values[middle], 0.0f);
+    const float x = all.find("P.X")->values[middle], y = all.find("P.Y")->values[middle],
+                z = all.find("P.Z")->values[middle];
+    EXPECT_NEAR(std::sqrt(x * x + y * y + z * z), 1.0f, 0.02f) << "on the unit sphere";
+    EXPECT_EQ(all.ints.at("samplesPerPixel"), 4);
+    EXPECT_FALSE(render("one.exr", {"--aov", "all"}).find("variance")) << "one sample has no variance";
+}
+
+TEST_F(PictureCommand, SeedsChangeTheNoiseAndNothingElseDoes) {
+    const std::vector<std::string> options = {"--spp", "2", "--filter", "gaussian", "--seed", "7"};
+    render("a.exr", options);
+    render("b.exr", options);
+    EXPECT_EQ(bytesOf("a.exr"), bytesOf("b.exr"));
+    const Image other = render("c.exr", {"--spp", "2", "--filter", "gaussian", "--seed", "8"});
+    EXPECT_NE(other.find("R")->values, readExr(out.file("a.exr")).find("R")->values);
+    EXPECT_EQ(other.ints.at("rt:seed"), 8);
+}
+
+TEST_F(PictureCommand, ResumedPicturesAreTheSameToTheBit) {
+    const std::vector<std::string> aovs = {"--aov", "all", "--spp"};
+    const auto with = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), aovs.begin(), aovs.end());
+        return more;
+    };
+    render("whole.exr", with({"6"}));
+    render("half.exr", with({"2", "--checkpoint", out.file("c")}));
+    render("resumed.exr", with({"6", "--resume", out.file("c"), "--checkpoint", out.file("c")}));
+    EXPECT_EQ(bytesOf("resumed.exr"), bytesOf("whole.exr"));
+    render("again.exr", with({"6", "--resume", out.file("c")}));
+    EXPECT_EQ(bytesOf("again.exr"), bytesOf("whole.exr")) << "there was nothing left to do";
+}
+
+TEST_F(PictureCommand, CheckpointsOfOtherPicturesAndDamagedOnesAreRefused) {
+    render("a.exr", {"--spp", "2", "--checkpoint", out.file("c")});
+    const auto expectRefusal = [&](std::vector<std::string> arguments, const std::string& message) {
+        arguments.insert(arguments.begin(), {"-o", out.file("b.exr"), "--resume", out.file("c")});
+        const CommandResult result = trace(arguments);
+        EXPECT_EQ(result.exitCode, 4) << result.err;
+        EXPECT_THAT(result.err, HasSubstr(out.file("c") + ": "));
+        EXPECT_THAT(result.err, HasSubstr(message));
+        EXPECT_FALSE(std::filesystem::exists(out.file("b.exr")));
+    };
+    expectRefusal({"--spp", "4", "--size", "64x32"}, "its size is 64x64");
+    expectRefusal({"--spp", "4", "--size", "64", "--crop", "0,0,9,9"}, "its part is 0,0,64,64");
+    expectRefusal({"--spp", "4", "--size", "64", "--seed", "3"}, "its seed is 0");
+    expectRefusal({"--spp", "4", "--size", "64", "--fov", "50"}, "differ");
+    expectRefusal({"--spp", "4", "--size", "64", "--aov", "P"}, "differ");
+    std::string bytes = bytesOf("c");
+    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+    std::ofstream(out.file("c"), std::ios::binary) << bytes;
+    expectRefusal({"--spp", "4", "--size", "64"}, "");
+    std::ofstream(out.file("c"), std::ios::binary) << bytes.substr(0, 100);
+    expectRefusal({"--spp", "4", "--size", "64"}, "");
+}
+
+TEST_F(PictureCommand, AnInterruptedRunLeavesItsCheckpointAndNoPicture) {
+    const std::vector<std::string> endless = {"/usr/bin/timeout",
+                                              "--preserve-status",
+                                              "-s",
+                                              "INT",
+                                              "1.5",
+                                              RT_BIN_DIR "/rt-trace",
+                                              folder->file("s.rtatlas"),
+                                              "--spp",
+                                              "16000000",
+                                              "-o",
+                                              out.file("a.exr"),
+                                              "--size",
+                                              "64x64"};
+    const CommandResult plain = test::runCommand(endless);
+    EXPECT_EQ(plain.exitCode, 130) << plain.err;
+    EXPECT_EQ(out.entryCount(), 0u);
+    std::vector<std::string> saving = endless;
+    saving.insert(saving.end(), {"--checkpoint", out.file("c")});
+    EXPECT_EQ(test::runCommand(saving).exitCode, 130);
+    EXPECT_FALSE(std::filesystem::exists(out.file("a.exr")));
+    ASSERT_TRUE(std::filesystem::exists(out.file("c")));
+    const Image image = render("b.exr", {"--spp", "2", "--resume", out.file("c")});
+    EXPECT_GE(image.ints.at("samplesPerPixel"), 2);
+}
+
+TEST_F(PictureCommand, TimeAndErrorEndAPicture) {
+    auto samples = figures({"--size", "64", "--time-limit", "0.2", "--spp", "10000000"}).at("samples");
+    EXPECT_EQ(samples.at("timeLimitReached"), true);
+    EXPECT_GE(samples.at("least"), 1);
+    EXPECT_LT(samples.at("most"), 10000000);
+    samples = figures({"--size", "96", "--target-error", "0.5"}).at("samples");
+    EXPECT_EQ(samples.at("wanted"), 4096);
+    EXPECT_EQ(samples.at("tiles"), 9);
+    EXPECT_EQ(samples.at("tilesStoppedByError"), 9);
+    EXPECT_LT(samples.at("mean").get<double>(), 200.0);
+}
+
+TEST_F(PictureCommand, CamerasOfTheSceneAreListedAndTaken) {
+    const CommandResult list = trace({"--list-cameras"});
+    EXPECT_EQ(list.exitCode, 0) << list.err;
+    EXPECT_THAT(list.out, HasSubstr("front  perspective  fov 30"));
+    EXPECT_THAT(list.out, HasSubstr("plan view  orthographic  height 4"));
+    const Image front = render("front.exr", {"--camera", "front"});
+    EXPECT_NEAR(front.find("Z")->values[32 * 64 + 32], 4.0f, 0.02f);
+    const Image moved = render("moved.exr", {"--camera", "front", "--eye", "0,0,7"});
+    EXPECT_NEAR(moved.find("Z")->values[32 * 64 + 32], 6.0f, 0.02f);
+    const Image plan = render("plan.exr", {"--camera", "plan view"});
+    EXPECT_NEAR(plan.find("Z")->values[32 * 64 + 32], 7.0f, 0.02f);
+    EXPECT_EQ(plan.find("A")->values[32 * 64 + 14], 0.0f); // the sphere is half as wide as the picture
+    EXPECT_EQ(plan.find("A")->values[32 * 64 + 18], 1.0f);
+    expectUsage({"--camera", "back"}, "front, plan view");
+}
+
+TEST_F(PictureCommand, ExplainsWhatIsCompiledAndUploaded) {
+    const CommandResult result = trace({"--explain", "-q"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    for (const char* text : {"RT_LIGHT_COUNT", "RT_MAX_DEPTH", "voxels", "uploaded", "skipped"})
+        EXPECT_THAT(result.out, HasSubstr(text));
+    EXPECT_EQ(out.entryCount(), 0u);
+    EXPECT_EQ(trace({"--explain", "--json", "-"}).exitCode, 2) << "both to standard output";
+    const auto sections = figures({"--size", "8"}).at("sections");
+    EXPECT_EQ(sections[0].at("name"), "voxels");
+    EXPECT_EQ(sections[0].at("uploaded"), true);
+}
+
+TEST_F(PictureCommand, ToneMapsAndExposureAreForPngOnly) {
+    const auto bytesWith = [&](const std::string& name, std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"-o", out.file(name + ".png")});
+        render(name + ".exr", arguments);
+        return bytesOf(name + ".png");
+    };
+    const std::string plain = bytesWith("plain", {});
+    for (const std::string map : {"reinhard", "aces", "filmic"}) {
+        EXPECT_NE(bytesWith(map, {"--tonemap", map}), plain) << map;
+        EXPECT_EQ(bytesOf(map + ".exr"), bytesOf("plain.exr")) << map;
+    }
+    EXPECT_NE(bytesWith("bright", {"--exposure", "1"}), plain);
+    EXPECT_EQ(bytesOf("bright.exr"), bytesOf("plain.exr"));
+}
+
+TEST_F(PictureCommand, HeatShowsWhatPixelsCost) {
+    const Image cold = render("cold.exr", {"--heat", "steps", "--heat-max", "1e9"});
+    EXPECT_NEAR(cold.find("B")->values[32 * 64 + 32], 0.0887f, 1e-3f) << "dark violet";
+    const Image hot = render("hot.exr", {"--heat", "steps", "--heat-max", "1e-3"});
+    EXPECT_NEAR(hot.find("R")->values[32 * 64 + 32], 0.9823f, 1e-3f) << "yellow";
+    EXPECT_GT(figures({"--size", "64", "--heat", "tests"}).at("heatMost"), 0.0);
+    expectUsage({"--heat-max", "3"}, "--heat-max needs --heat");
+}
+
+TEST_F(PictureCommand, FramesFollowTheirPath) {
+    std::ofstream(out.file("path.json")) << R"([{"frame": 1, "eye": [0, 0, 4], "lookAt": [0, 0, 0]},
+               {"frame": 3, "eye": [0, 0, 6], "lookAt": [0, 0, 0]}])";
+    const CommandResult result = trace({"-o", out.file("f%02d.exr"), "--size", "16x16", "--frames", "1-3",
+                                        "--camera-path", out.file("path.json")});
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    for (const auto& [name, depth] : {std::pair("f01.exr", 3.0f), {"f02.exr", 4.0f}, {"f03.exr", 5.0f}})
+        EXPECT_NEAR(readExr(out.file(name)).find("Z")->values[8 * 16 + 8], depth, 0.05f) << name;
+    const std::string path = out.file("path.json");
+    expectUsage({"--frames", "1-3"}, "go together");
+    expectUsage({"--frames", "1-3", "--camera-path", path}, "%d or %04d");
+    expectUsage({"--frames", "3-1", "--camera-path", path}, "--frames");
+}
+
+TEST_F(PictureCommand, WrongNumbersAreUsage) {
+    expectUsage({"--spp", "0"}, "--spp");
+    expectUsage({"--seed", "-1"}, "--seed");
+    expectUsage({"--crop", "0,0,0,5"}, "--crop");
+    expectUsage({"--crop", "0,0,513,5"}, "--crop");
+    expectUsage({"--crop", "0,0,1.5,5"}, "--crop");
+    expectUsage({"--filter", "lanczos"}, "--filter");
+    expectUsage({"--aov", "Z,depth"}, "'depth' is none of");
+    expectUsage({"--aov", "variance"}, "--spp");
+    expectUsage({"--lens-radius", "-1"}, "--lens-radius");
+    expectUsage({"--lens-radius", "1", "--projection", "panorama"}, "--lens-radius");
+    expectUsage({"--projection", "orthographic", "--height", "0"}, "--height");
+    expectUsage({"--environment", "sky.jpg"}, "--environment");
+    expectUsage({"--environment", "1,2"}, "--environment");
+    expectUsage({"--exposure", "nan"}, "nan");
+    expectUsage({"--target-error", "0"}, "--target-error");
+    expectUsage({"--resume", out.file("usage.exr")}, "");
+}
+
+} // namespace
+} // namespace rt

@@ -1,0 +1,94 @@
+#include "tools/rt-import/read_cameras.h"
+
+#include "tools/rt-import/assimp_glm.h"
+
+#include <assimp/camera.h>
+#include <assimp/scene.h>
+#include <fmt/format.h>
+#include <glm/trigonometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace rt {
+namespace {
+
+constexpr std::size_t kMaxNameBytes = sizeof(NamedCamera::name) - 1;
+
+// At most `bytes` of it, none of its UTF-8 characters cut.
+std::string clip(const std::string& text, std::size_t bytes) {
+    if (text.size() <= bytes) return text;
+    while (bytes > 0 && (static_cast<unsigned char>(text[bytes]) & 0xC0u) == 0x80u) --bytes;
+    return text.substr(0, bytes);
+}
+
+std::string uniqueName(const char* given, std::set<std::string>& names) {
+    std::string name = *given ? given : "camera";
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 32; }, '_');
+    std::string result = clip(name, kMaxNameBytes);
+    for (unsigned i = 1; !names.insert(result).second; ++i) {
+        const std::string number = fmt::format(".{}", i);
+        result = clip(name, kMaxNameBytes - number.size()) + number;
+    }
+    return result;
+}
+
+void store(const glm::dvec3& from, double (&to)[3]) {
+    for (int i = 0; i < 3; ++i) to[i] = from[i];
+}
+
+// glTF alone states a ratio of the sides, and the angle that Assimp gives is then the file's, which is of the
+// height, times that ratio. 3DS has an angle only.
+void setView(const aiCamera& source, NamedCamera& camera) {
+    const double ratio = source.mAspect > 0.0f ? static_cast<double>(source.mAspect) : 1.0;
+    if (source.mOrthographicWidth != 0.0f) {
+        camera.kind = kCameraOrthographic;
+        camera.height = 2.0 * std::abs(static_cast<double>(source.mOrthographicWidth)) / ratio;
+    } else {
+        camera.kind = kCameraPerspective;
+        camera.fovDegrees = glm::degrees(static_cast<double>(source.mHorizontalFOV) / ratio);
+    }
+}
+
+NamedCamera readCamera(const aiCamera& source, const aiNode* node, const aiNode* owner) {
+    const glm::dmat3 linear(worldFromNode(node));
+    const glm::dvec3 eye = worldPosition(node, owner, glm::dvec3(vec3Of(source.mPosition)));
+    const glm::dvec3 forward = glm::normalize(linear * glm::dvec3(vec3Of(source.mLookAt)));
+    glm::dvec3 up = glm::normalize(linear * glm::dvec3(vec3Of(source.mUp)));
+    if (!(glm::length(glm::cross(forward, up)) > 1e-6)) // any other will do
+        up = std::abs(forward.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1);
+    NamedCamera camera{};
+    store(eye, camera.eye);
+    store(eye + forward, camera.lookAt);
+    store(up, camera.up);
+    setView(source, camera);
+    return camera;
+}
+
+} // namespace
+
+std::vector<NamedCamera> readCameras(const aiScene& scene, const NodesByName& nodes,
+                                     std::vector<std::string>& warnings) {
+    std::vector<NamedCamera> cameras;
+    std::set<std::string> names;
+    unsigned broken = 0;
+    for (unsigned i = 0; i < scene.mNumCameras; ++i) {
+        const aiCamera& source = *scene.mCameras[i];
+        const aiNode* owner = scene.mRootNode->FindNode(source.mName);
+        for (const aiNode* node : nodesOf(source.mName.C_Str(), nodes, scene.mRootNode)) {
+            NamedCamera camera = readCamera(source, node, owner);
+            const aiString& name = node ? node->mName : source.mName;
+            uniqueName(name.C_Str(), names).copy(camera.name, kMaxNameBytes);
+            const bool valid = isValid(camera);
+            if (valid) cameras.push_back(camera);
+            broken += !valid;
+        }
+    }
+    if (broken > 0)
+        warnings.push_back(fmt::format("{} cameras are not finite or show nothing and are left out", broken));
+    return cameras;
+}
+
+} // namespace rt

@@ -1,0 +1,31 @@
+#pragma once
+#include "tools/rt-trace/film.h"
+#include "tools/rt-trace/picture_setup.h"
+#include "tools/rt-trace/tile_samples.h"
+
+#include <string>
+
+namespace rt {
+
+/// What makes two runs render the same picture. More samples go on with the same one.
+struct PictureIdentity {
+    std::uint64_t atlasHash = 0;
+    std::uint64_t settingsHash = 0; ///< view, lights, light and features
+    glm::uvec2 size{0};
+    glm::uvec4 window{0};
+    std::uint32_t seed = 0;
+    std::uint32_t samples = 0;
+};
+PictureIdentity identityOf(const TraceOptions& options, const PictureSetup& setup,
+                           const SceneFeatures& features, std::uint64_t atlasHash);
+
+/// Throws Error{FileAccess}.
+void saveCheckpoint(const std::string& path, const PictureIdentity& identity, const Film& film,
+                    const TileSamples& tiles, double gpuMs);
+
+/// Puts a picture back as it was saved; returns the milliseconds that were spent on it. Throws
+/// Error{FileAccess}, or Error{InvalidContent} if it is damaged or another picture's.
+double resumeCheckpoint(const std::string& path, const PictureIdentity& identity, const Film& film,
+                        TileSamples& tiles);
+
+} // namespace rt

@@ -1,0 +1,23 @@
+#pragma once
+#include "formats/atlas.h"
+#include "tools/rt-trace/shader_resources.h"
+
+namespace rt {
+
+/// A part of an atlas, and whether the device gets it.
+struct SectionUse {
+    std::string name;
+    std::uint64_t bytes = 0;
+    bool uploaded = false;
+};
+
+/// Every array of the atlas, as it is used by variants of this plan.
+std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan);
+
+/// Text for people: each feature with its value and what it comes from, then each part of the atlas.
+std::string explanation(const Atlas& atlas, const ResourcePlan& plan);
+
+/// The atlas' cameras, one a line: name, kind and where they stand. Empty if there are none.
+std::string cameraList(std::span<const NamedCamera> cameras);
+
+} // namespace rt

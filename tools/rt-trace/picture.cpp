@@ -1,0 +1,98 @@
+#include "tools/rt-trace/picture.h"
+
+#include "common/log.h"
+#include "tools/rt-trace/checkpoint.h"
+#include "tools/rt-trace/picture_files.h"
+#include "tools/rt-trace/render_image.h"
+#include "tools/rt-trace/shader_variant.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace rt {
+namespace {
+
+/// Takes the samples of `tiles` again with a variant that counts.
+WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
+                     const GpuView& view, const TileSamples& rendered) {
+    plan.features.countWork = 1;
+    const GlProgram program = compileVariant(plan);
+    const Film film(options.size, plan.features, context.limits());
+    film.bind();
+    TileSamples tiles = rendered;
+    for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
+    WorkTotals totals;
+    LoopControl control;
+    control.afterDispatch = [&](const TileSamples::Region& region) {
+        totals += sumWork(film.readCounters(region.pixels));
+    };
+    renderTiles(program, view, film, context, tiles, control);
+    return totals;
+}
+
+// Between checkpoints, or from the one that is resumed to the end.
+void runLoop(const TraceOptions& options, const GpuScene& scene, const GpuView& view, const Film& film,
+             const PictureIdentity& identity, Picture& picture) {
+    LoopControl control;
+    control.targetError = options.targetError;
+    if (options.timeLimitSeconds > 0.0) control.endMs = programMs() + options.timeLimitSeconds * 1e3;
+    const auto save = [&](double gpuMs) {
+        saveCheckpoint(options.checkpointPath, identity, film, picture.tiles, picture.earlierMs + gpuMs);
+    };
+    if (!options.checkpointPath.empty()) control.save = save;
+    picture.figures = renderTiles(scene.program, view, film, *scene.context, picture.tiles, control);
+    if (control.save) save(picture.figures.gpuMs);
+}
+
+void checkPixels(const TraceOptions& options, const FilmPixels& pixels) {
+    requireWholeWalks(
+        static_cast<std::size_t>(std::count(pixels.ids.begin(), pixels.ids.end(), kWalkCutShort)), "pixels",
+        options.scenePath);
+    if (const std::size_t count = countNonFinite(pixels))
+        logWarning(fmt::format("{}: {} pixels are not finite", options.scenePath, count));
+}
+
+} // namespace
+
+Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
+                      StageTimer& stages) {
+    const GlContext& context = *scene.context;
+    const Film film(options.size, scene.plan.features, context.limits());
+    const GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features.pixelQueue != 0);
+    const PictureIdentity identity = identityOf(options, setup, scene.plan.features, scene.file.contentHash);
+    Picture picture{{}, TileSamples(options.window, options.samples), {}};
+    if (!options.resumePath.empty())
+        picture.earlierMs = resumeCheckpoint(options.resumePath, identity, film, picture.tiles);
+    scene.atlas.bind();
+    view.bind();
+    film.bind();
+    stages.begin("compile");
+    finishCompiling(scene.program, view);
+    stages.end();
+    stages.add("firstDispatch", programMs());
+    stages.begin("render");
+    runLoop(options, scene, view, film, identity, picture);
+    stages.begin("readback");
+    picture.pixels = film.read(options.window, picture.tiles.perPixel());
+    stages.end();
+    checkPixels(options, picture.pixels);
+    if (options.stats) picture.work = countWork(options, scene.plan, context, view, picture.tiles);
+    if (options.heat != Heat::None)
+        picture.heatMost = paintHeat(picture.pixels, options.heat, options.heatMost);
+    return picture;
+}
+
+Image imageOf(const Picture& picture, const TraceOptions& options, const GpuScene& scene,
+              const PictureSetup& setup) {
+    RenderRecord record{setup.pose, scene.file.atlas.info.meshHash, scene.file.contentHash,
+                        scene.context->device().renderer, std::nullopt};
+    if (!options.reproducible) record.renderTimeSeconds = (picture.earlierMs + picture.figures.gpuMs) * 1e-3;
+    record.samples = picture.tiles.most();
+    record.seed = options.seed;
+    record.aovs = options.aovs;
+    record.window = options.window;
+    return toImage(options.size, picture.pixels, record);
+}
+
+} // namespace rt

@@ -1,0 +1,37 @@
+#pragma once
+#include "formats/image.h"
+#include "tools/rt-trace/load_scene.h"
+#include "tools/rt-trace/picture_setup.h"
+#include "tools/rt-trace/render_loop.h"
+
+#include <optional>
+
+namespace rt {
+
+/// A picture that is finished, or as far as it was to go.
+struct Picture {
+    FilmPixels pixels;
+    TileSamples tiles;
+    LoopFigures figures;
+    double earlierMs = 0.0; ///< gpuMs of the runs that it was resumed from
+    std::optional<WorkTotals> work = {};
+    double heatMost = 0.0; ///< what --heat shows in yellow
+};
+
+/// Renders with what has been brought to the device. Resumes from and writes checkpoints where the options
+/// say so. Stages: compile (the driver's rest), firstDispatch, render, readback. Throws
+/// Error{InvalidContent} for a checkpoint of another picture.
+Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
+                      StageTimer& stages);
+
+/// As the files hold it.
+Image imageOf(const Picture& picture, const TraceOptions& options, const GpuScene& scene,
+              const PictureSetup& setup);
+
+void logPicture(const Picture& picture, const TraceOptions& options);
+
+/// Writes the --json file, if there is to be one.
+void reportPicture(const Picture& picture, const TraceOptions& options, const GpuScene& scene,
+                   const PictureSetup& setup, const StageTimer& stages);
+
+} // namespace rt
