@@ -56,25 +56,33 @@ float largest(vec3 v) {
     return max(v.x, max(v.y, v.z));
 }
 
+// Of light along a shadow ray.
+struct Passed {
+    vec3 all;
+    vec3 straight; // without what glass bends: rays that are reflected to the light find only this on the same way
+};
+
 // How much light goes straight through a surface that shadows fall from. The angle is the one on the side of the lower index:
 // so panes let through what they do, where light that really went straight would be reflected totally inside.
-vec3 shadowTint(Surface s, real3 direction, uvec2 media) {
+Passed shadowTint(Surface s, real3 direction, uvec2 media) {
     float cosine = float(abs(dot(s.normal, normalize(direction))));
     float eta = indexRatio(s, media);
     vec3 glass = kHasTransmission && s.transmission > 0.0f
                      ? enteringPart(s, cosine, min(eta, 1.0f / eta)) * s.transmission * s.baseColor
                      : vec3(0.0f);
-    return vec3(1.0f - s.opacity) + s.opacity * glass;
+    vec3 gap = vec3(1.0f - s.opacity);
+    return Passed(gap + s.opacity * glass, s.thin ? gap + s.opacity * glass : gap);
 }
 
 // The part of light that comes along a shadow ray; what is clear tints it, without bending it.
-vec3 lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
+Passed lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
     if (!kHasTransmission && !kHasOpacity) {
         Hit blocker = trace(ray, true, work);
         if (kCountWork && blocker.triangle == from) work.selfHits += 1u;
-        return blocker.triangle == kNoTriangle ? vec3(1.0f) : vec3(0.0f);
+        vec3 whole = vec3(blocker.triangle == kNoTriangle ? 1.0f : 0.0f);
+        return Passed(whole, whole);
     }
-    vec3 left = vec3(1.0f);
+    Passed left = Passed(vec3(1.0f), vec3(1.0f));
     float speed = float(length(ray.direction));
     real3 target = ray.origin + ray.direction; // where tMax is 1
     for (uint i = 0u; i < 64u; ++i) {
@@ -82,11 +90,13 @@ vec3 lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
         if (kCountWork && i == 0u && hit.triangle == from) work.selfHits += 1u;
         bool through = hit.triangle == kNoTriangle;
         if (through && ray.tMax > 1e20f) return left;
-        left *= passedBy(media, float(hit.t) * speed);
+        vec3 kept = passedBy(media, float(hit.t) * speed);
+        left = Passed(left.all * kept, left.straight * kept);
         if (through) return left;
         Surface s = surfaceAt(ray, hit, 0.0f);
-        left *= shadowTint(s, ray.direction, media);
-        if (largest(left) < kLeastWeight) return vec3(0.0f);
+        Passed tint = shadowTint(s, ray.direction, media);
+        left = Passed(left.all * tint.all, left.straight * tint.straight);
+        if (largest(left.all) < kLeastWeight) break;
         if (s.transmission > 0.0f) media = mediaBehind(s, media);
         ray.origin = leaveSurface(s, ray.direction);
         if (ray.tMax <= 1.0f) { // the rest of the way to the light
@@ -94,7 +104,7 @@ vec3 lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
             speed = float(length(ray.direction));
         }
     }
-    return vec3(0.0f);
+    return Passed(vec3(0.0f), vec3(0.0f));
 }
 
 // Part of the way to a light that shadow rays go: a light may lie in a surface, such as a ceiling, and still shine.
@@ -123,28 +133,35 @@ Scatter scatterAt(Surface s, real3 direction, uvec2 media) {
     return c;
 }
 
-// Of light of radiance 1 from `toLight`, unit length; it is chosen with `density`, and by reflected rays too.
-vec3 reflectedLight(Surface s, Scatter c, vec3 toLight, float density) {
+// Of light of radiance 1 from one direction.
+struct Reflected {
+    vec3 diffuse;
+    vec3 glossy; // the part of it that reflected rays do not find
+};
+
+// From `toLight`, unit length; it is chosen with `density`, and by reflected rays too.
+Reflected reflectedLight(Surface s, Scatter c, vec3 toLight, float density) {
     float cosLight = dot(c.normal, toLight);
-    if (!(cosLight > 0.0f) || !(dot(vec3(s.geometricNormal), toLight) > 0.0f)) return vec3(0.0f);
-    vec3 light = c.diffuse * (cosLight / kPi);
-    if (!c.rough) return light;
+    if (!(cosLight > 0.0f) || !(dot(vec3(s.geometricNormal), toLight) > 0.0f)) return Reflected(vec3(0.0f), vec3(0.0f));
+    vec3 diffuse = c.diffuse * (cosLight / kPi);
+    if (!c.rough) return Reflected(diffuse, vec3(0.0f));
     vec3 facet = normalize(c.view + toLight);
     vec3 aside = cross(c.normal, facet);
     float sineSquared = dot(aside, aside);
     float shadowing = 1.0f / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight));
     float lobe = facetDensity(c.alpha, sineSquared) * shadowing / (4.0f * c.cosView);
     float share = density > 0.0f ? density / (density + reflectionDensity(c.alpha, c.cosView, sineSquared)) : 1.0f;
-    return light + (1.0f - s.mirror) * reflectedPart(s, dot(c.view, facet), c.eta) * (lobe * share);
+    return Reflected(diffuse, (1.0f - s.mirror) * reflectedPart(s, dot(c.view, facet), c.eta) * (lobe * share));
 }
 
 vec3 lightFrom(Surface s, Scatter c, Incident incident, uvec2 media, inout WorkCounters work) {
     vec3 toLight = vec3(normalize(incident.endless ? incident.target : incident.target - s.position));
-    vec3 light = incident.radiance * reflectedLight(s, c, toLight, incident.density);
-    if (!(largest(light) > 0.0f)) return vec3(0.0f);
+    Reflected reflected = reflectedLight(s, c, toLight, incident.density);
+    if (!(largest(incident.radiance * (reflected.diffuse + reflected.glossy)) > 0.0f)) return vec3(0.0f);
     real3 origin = leaveSurface(s, real3(toLight));
     Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, kBeforeLight);
-    return light * lightAlong(ray, media, s.triangle, work);
+    Passed passed = lightAlong(ray, media, s.triangle, work);
+    return incident.radiance * (reflected.diffuse * passed.all + reflected.glossy * (incident.density > 0.0f ? passed.straight : passed.all));
 }
 
 // From the environment: half of the directions by where it is bright, half by how a diffuse surface sees it (Veach & Guibas 1995).
@@ -243,7 +260,7 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
     }
     if (s.unlit) return;
     real3 normal = s.normal;
-    float kept = 1.0f; // of what facets reflect or let through, the part that others do not hide
+    float kept = 1.0f; // of what facets reflect, the part that others do not hide; of what they let through, all goes on
     float density = 0.0f;
     if (c.rough) {
         mat3 frame = frameAbout(c.normal);
@@ -266,8 +283,8 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
             weight *= s.baseColor;
             // The normal may bend a grazing ray back to its own side; it then goes straight on.
             real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
-            // Shadow rays come this way too, if straight: what they count must not count again.
-            if (isTraced(weight, chance.y)) push(from, s, through, weight, from.density, from.gone, mediaBehind(s, from.media));
+            float chosen = s.thin ? from.density : 0.0f; // shadow rays do not bend
+            if (isTraced(weight, chance.y)) push(from, s, through, weight, chosen, from.gone, mediaBehind(s, from.media));
         }
     }
     if (!kHasReflection && !kHasTransmission) return;

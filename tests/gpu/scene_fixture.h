@@ -96,7 +96,7 @@ struct Shot {
     unsigned filter = kFilterBox;
     unsigned seed = 0;
     glm::vec3 background{0.0f};
-    unsigned samplesPerDispatch = 32; ///< software ends an invocation's loops after 65,535 rounds
+    unsigned samplesPerDispatch = 4; ///< software ends an invocation's loops after 65,535 rounds
     float environmentTurn = 0.0f;
 };
 
@@ -173,7 +173,7 @@ private:
     static Atlas atlasOf(Mesh mesh, const SceneSettings& settings) {
         mesh.lights = std::vector<Light>(settings.lights);
         validate(mesh, "mesh");
-        return makeAtlas(mesh, kStructureCloud, {16, 16, 16});
+        return makeAtlas(mesh, kStructureCloud, glm::uvec3(0)); // as fine as its triangles are many
     }
     static SceneFeatures featuresFor(const GlContext& context, const Atlas& atlas,
                                      const SceneSettings& settings) {
