@@ -1,7 +1,7 @@
 #pragma once
 #include "common/error.h"
 #include "tests/gpu/render_fixture.h"
-#include "tools/rt-trace/environment.h"
+#include "tools/rt-trace/upload_environment.h"
 
 #include <epoxy/gl.h>
 #include <glm/geometric.hpp>
@@ -86,6 +86,7 @@ struct SceneSettings {
     bool lens = false;
     bool multisample = false;
     bool aovs = false;
+    std::optional<bool> pixelQueue = {}; ///< absent: as rt-trace chooses
 };
 
 struct Shot {
@@ -99,6 +100,26 @@ struct Shot {
     unsigned samplesPerDispatch = 4; ///< software ends an invocation's loops after 65,535 rounds
     float environmentTurn = 0.0f;
 };
+
+/// What the shaders make of an environment: mixed between the middles of its four nearest pixels.
+inline glm::dvec3 skyOf(const EnvironmentMap& map, const glm::dvec3& direction, double turn = 0.0) {
+    constexpr double kPi = 3.14159265358979323846;
+    const double u = std::atan2(direction.x, -direction.z) / (2.0 * kPi) + 0.5 + turn;
+    const double v = std::acos(std::clamp(direction.y, -1.0, 1.0)) / kPi;
+    const double x = (u - std::floor(u)) * map.width - 0.5, y = v * map.height - 0.5;
+    glm::dvec3 sum(0.0);
+    for (const double right : {0.0, 1.0})
+        for (const double below : {0.0, 1.0}) {
+            const double column = std::floor(x) + right, row = std::floor(y) + below;
+            const auto wrapped =
+                (static_cast<int>(column) + static_cast<int>(map.width)) % static_cast<int>(map.width);
+            const auto clamped = std::clamp(static_cast<int>(row), 0, static_cast<int>(map.height) - 1);
+            sum += glm::dvec3(map.pixels[static_cast<std::size_t>(clamped) * map.width +
+                                         static_cast<std::size_t>(wrapped)]) *
+                   ((1.0 - std::abs(x - column)) * (1.0 - std::abs(y - row)));
+        }
+    return sum;
+}
 
 /// Mean of the samples, and the standard error of its luminance as the samples themselves tell it.
 struct Estimate {
@@ -117,7 +138,8 @@ public:
                                 static_cast<unsigned>(settings_.lights.size()), "atlas")),
           program_(compileVariant(plan_)) {
         if (!settings_.lights.empty()) lights_ = chooseLights({}, atlas_, boundsOfAtlas(atlas_), {});
-        if (plan_.features.hasEnvironment) uploadEnvironment();
+        if (plan_.features.hasEnvironment)
+            environment_.emplace(settings_.environment, context.limits(), "environment");
     }
 
     FilmPixels render(const Shot& shot) const {
@@ -127,16 +149,15 @@ public:
         params.environment = glm::vec4(glm::vec3(1.0f), shot.environmentTurn);
         params.filterSize.x = shot.filterRadius;
         params.samples = {0, 0, shot.seed, shot.filter};
-        const GpuView view(cameraInAtlas(shot.pose, aspect, atlas_.grid), params, lights_);
+        const GpuView view(cameraInAtlas(shot.pose, aspect, atlas_.grid), params, lights_,
+                           plan_.features.pixelQueue != 0);
         const Film film(shot.size, plan_.features, context_.limits());
         bind(view, film);
         glUseProgram(program_.name());
         for (unsigned first = 0; first < shot.samples;) {
             const unsigned count = std::min(shot.samplesPerDispatch, shot.samples - first);
-            view.setWork({0, 0, shot.size}, first, count);
             glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-            glDispatchCompute((shot.size.x + kTileSize - 1) / kTileSize,
-                              (shot.size.y + kTileSize - 1) / kTileSize, 1);
+            view.dispatch({0, 0, shot.size}, first, count);
             first += count;
         }
         const std::size_t pixels = std::size_t(shot.size.x) * shot.size.y;
@@ -155,6 +176,7 @@ public:
         shot.pose.up = upFor(lookAt - eye);
         shot.pose.fovDegrees = 1.0;
         shot.samples = samples;
+        shot.samplesPerDispatch = 64; // these scenes are small
         shot.background = background;
         const FilmPixels pixels = render(shot);
         return {glm::dvec3(glm::vec3(pixels.colors[0])), std::sqrt(double(pixels.variances[0]))};
@@ -188,24 +210,15 @@ private:
         needs.moments = true;
         SceneFeatures features = renderFeatures(atlas, needs);
         features.software = context.device().software;
+        features.pixelQueue =
+            settings.pixelQueue.value_or(!features.software && features.hasTransmission != 0);
         return features;
-    }
-    void uploadEnvironment() {
-        const EnvironmentMap& map = settings_.environment;
-        environmentMap_ = createTexture2D(GL_RGBA32F, map.width, map.height);
-        std::vector<glm::vec4> texels;
-        for (const glm::vec3& pixel : map.pixels) texels.emplace_back(pixel, 1.0f);
-        writeTexels(environmentMap_, {0, 0, map.width, map.height}, GL_RGBA, GL_FLOAT,
-                    std::as_bytes(std::span(texels)));
-        environmentTable_ = createBuffer(std::as_bytes(std::span(map.cdf)));
     }
     void bind(const GpuView& view, const Film& film) const {
         gpuAtlas_.bind();
         view.bind();
         film.bind();
-        if (!plan_.features.hasEnvironment) return;
-        glBindTextureUnit(RT_TEXTURE_ENVIRONMENT, environmentMap_.name());
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_ENVIRONMENT, environmentTable_.name());
+        if (environment_) environment_->bind();
     }
 
     const GlContext& context_;
@@ -215,8 +228,7 @@ private:
     GpuAtlas gpuAtlas_;
     GlProgram program_;
     std::vector<Light> lights_;
-    GlTexture environmentMap_;
-    GlBuffer environmentTable_;
+    std::optional<GpuEnvironment> environment_;
 };
 
 /// The same radiance from all sides.

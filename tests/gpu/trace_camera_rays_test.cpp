@@ -118,6 +118,7 @@ TEST_F(CameraRays, ALensIsSharpAtItsDistanceAndBlursBeyondByItsCircleOfConfusion
         shot.pose.focusDistance = kFocus;
         shot.size = glm::uvec2(kSide);
         shot.samples = 1u << 14;
+        shot.samplesPerDispatch = 64;
         shot.filterRadius = 0.5f;
         const Spot spot = spotOf(scene.render(shot), kSide);
         const double circle =
@@ -185,6 +186,7 @@ double seenBy(const SceneOnGpu& scene, const FilterCase& filter, double edge, bo
     shot.pose.view = kOrthographicView;
     shot.pose.height = 1.0;
     shot.samples = 1024;
+    shot.samplesPerDispatch = 64;
     shot.filter = filter.kind;
     shot.filterRadius = float(filter.radius);
     return scene.render(shot).colors[0].x;
@@ -263,6 +265,10 @@ TEST_F(CameraRays, OneSeedGivesOnePictureHoweverItsSamplesAreCut) {
         shot.samplesPerDispatch = count;
         EXPECT_TRUE(sameBits(first, scene.render(shot))) << count << " samples a dispatch";
     }
+    SceneSettings queued = motleySettings();
+    queued.pixelQueue = true; // lanes then take pixels in any order
+    shot.samplesPerDispatch = 1;
+    EXPECT_TRUE(sameBits(first, SceneOnGpu(*context, makeMotley(), queued).render(shot)));
     shot.seed = 1;
     const FilmPixels other = scene.render(shot);
     EXPECT_FALSE(sameBits(first, other));

@@ -249,16 +249,6 @@ EnvironmentMap patchyEnvironment() {
     return map;
 }
 
-// As environment.h has it, by plain trigonometry.
-glm::dvec3 radianceFrom(const EnvironmentMap& map, const glm::dvec3& d, double turn) {
-    double u = std::atan2(d.x, -d.z) / (2.0 * kPi) + 0.5 + turn;
-    u -= std::floor(u);
-    const double v = std::acos(std::clamp(d.y, -1.0, 1.0)) / kPi;
-    const auto column = std::min(unsigned(u * map.width), map.width - 1);
-    const auto row = std::min(unsigned(v * map.height), map.height - 1);
-    return glm::dvec3(map.pixels[row * map.width + column]);
-}
-
 TEST_F(Furnace, TheEnvironmentIsSeenWhereItIs) {
     SceneSettings settings;
     settings.environment = patchyEnvironment();
@@ -277,7 +267,7 @@ TEST_F(Furnace, TheEnvironmentIsSeenWhereItIs) {
             const glm::dvec3 direction(std::sin(polar) * std::sin(longitude), std::cos(polar),
                                        -std::sin(polar) * std::cos(longitude));
             EXPECT_TRUE(isNear(glm::dvec3(glm::vec3(pixels.colors[i])),
-                               radianceFrom(settings.environment, direction, turn), 1e-6))
+                               test::skyOf(settings.environment, direction, turn), 1e-3))
                 << i;
         }
     }
@@ -288,7 +278,7 @@ TEST_F(Furnace, TheEnvironmentLightsDiffuseAndRoughSurfaces) {
     SceneSettings settings;
     settings.environment = patchyEnvironment();
     settings.multisample = true;
-    const auto light = [&](const glm::dvec3& d) { return radianceFrom(settings.environment, d, 0.0); };
+    const auto light = [&](const glm::dvec3& d) { return test::skyOf(settings.environment, d, 0.0); };
     glm::dvec3 irradiance(0);
     constexpr int kSide = 2000;
     for (int i = 0; i < kSide; ++i)

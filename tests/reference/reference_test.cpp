@@ -14,7 +14,6 @@ namespace rt {
 namespace {
 
 constexpr glm::uvec2 kSize(64, 48);
-constexpr double kPi = 3.14159265358979323846;
 
 Light rectangle(const glm::vec3& centre, const glm::vec3& u, const glm::vec3& v, const glm::vec3& radiance) {
     Light light = pointLight(centre, radiance);
@@ -83,7 +82,7 @@ protected:
         settings.lights = scene.settings.lights;
         settings.skyLights = !scene.settings.environment.pixels.empty();
         if (settings.skyLights)
-            settings.sky = [&](const glm::dvec3& d) { return skyOf(scene.settings.environment, d); };
+            settings.sky = [&](const glm::dvec3& d) { return test::skyOf(scene.settings.environment, d); };
         expectSame(scene.name, compare(found, reference::render(scene.mesh, settings)));
     }
 
@@ -100,15 +99,6 @@ private:
         EXPECT_LT(std::abs(off), 3e-3 + 2.0 * c.meanError / mean);
         for (int k = 0; k < 3; ++k)
             EXPECT_NEAR(c.meanFound[k] / c.meanExpected[k], 1.0, 8e-3) << "channel " << k;
-    }
-
-    // As tools/rt-trace/environment.h has it.
-    static glm::dvec3 skyOf(const EnvironmentMap& map, const glm::dvec3& d) {
-        const double u = std::atan2(d.x, -d.z) / (2.0 * kPi) + 0.5,
-                     v = std::acos(std::clamp(d.y, -1.0, 1.0)) / kPi;
-        const auto column = std::min(unsigned(u * map.width), map.width - 1);
-        const auto row = std::min(unsigned(v * map.height), map.height - 1);
-        return glm::dvec3(map.pixels[std::size_t(row) * map.width + column]);
     }
 };
 
