@@ -29,8 +29,7 @@ RT_SHARED_BEGIN
 #define RT_BUFFER_LIGHTS 1    // Light, in atlas space
 #define RT_BUFFER_IMAGES 2
 #define RT_BUFFER_RAYS 3
-#define RT_BUFFER_ENVIRONMENT                                                                                \
-    3 // render: float, how light is distributed over the environment; see shaders/environment.glsl
+#define RT_BUFFER_ENVIRONMENT 3 // render: float, see kEnvironmentRows
 #define RT_BUFFER_HITS 4
 #define RT_BUFFER_PIXELS 4   // render, with a queue: uint, how many pixels have been taken
 #define RT_BUFFER_COUNTERS 5 // uvec4 per ray, where work is counted
@@ -50,7 +49,7 @@ RT_SHARED_CONST uint kIntersectWatertight = 0u;     // Woop, Benthin & Wald 2013
 RT_SHARED_CONST uint kIntersectMollerTrumbore = 1u; // 1997
 RT_SHARED_CONST uint kIntersectBaldwinWeber = 2u;   // 2016
 
-// Kinds of cameras beyond those that files hold (formats/mesh.h).
+// Kinds of views: those of the cameras that files hold, by the same numbers (formats/mesh.h), and one more.
 RT_SHARED_CONST uint kPerspectiveView = 0u;
 RT_SHARED_CONST uint kOrthographicView = 1u;
 RT_SHARED_CONST uint kPanoramaView = 2u;
@@ -86,6 +85,16 @@ RT_SHARED_CONST uint kFilterBox = 0u;
 RT_SHARED_CONST uint kFilterTent = 1u;
 RT_SHARED_CONST uint kFilterGaussian = 2u; // sigma is a third of the radius
 RT_SHARED_CONST uint kFilterBlackmanHarris = 3u;
+
+// How the environment's light is distributed, in floats: its width, its height, its integral, from here on
+// for each border of rows the part of the light above it, then for each row the same of its columns' borders,
+// left of them (tools/rt-trace/environment.h).
+RT_SHARED_CONST uint kEnvironmentRows = 3u;
+
+// Where the borders in a row begin.
+RT_SHARED_FN uint environmentRow(uint width, uint height, uint row) {
+    return kEnvironmentRows + height + 1u + row * (width + 1u);
+}
 
 struct QueryParams {
     uvec4 count; // x rays of this dispatch; y the most that a lane takes (scattered rays); zw = 0

@@ -10,15 +10,11 @@ vec3 environmentRadiance(vec3 direction) {
     return picture.environment.rgb * textureLod(environmentMap, environmentPlace(direction), 0.0f).rgb;
 }
 
-// The table: width, height, 0, then how likely the rows above row 0, 1, ... are, then for each row the same of its texels.
 uint environmentWidth() {
     return uint(environmentTable[0]);
 }
 uint environmentHeight() {
     return uint(environmentTable[1]);
-}
-uint tableOfRow(uint row) {
-    return 3u + environmentHeight() + 1u + row * (environmentWidth() + 1u);
 }
 
 // Which of `count` steps of a table at `first` holds u; where in it, and how likely it is.
@@ -45,16 +41,16 @@ float environmentDensity(vec3 direction) {
     vec2 place = environmentPlace(direction);
     uint width = environmentWidth(), height = environmentHeight();
     uint row = min(uint(place.y * float(height)), height - 1u), texel = min(uint(place.x * float(width)), width - 1u);
-    uint inRow = tableOfRow(row) + texel;
-    return environmentDensity(environmentTable[3u + row + 1u] - environmentTable[3u + row],
+    uint inRow = environmentRow(width, height, row) + texel, above = kEnvironmentRows + row;
+    return environmentDensity(environmentTable[above + 1u] - environmentTable[above],
                               environmentTable[inRow + 1u] - environmentTable[inRow], place.y);
 }
 
 vec3 environmentDirection(vec2 u, out float density) {
     uint width = environmentWidth(), height = environmentHeight();
     float inRow, inTexel, rowShare, texelShare;
-    uint row = stepOf(3u, height, u.y, inRow, rowShare);
-    uint texel = stepOf(tableOfRow(row), width, u.x, inTexel, texelShare);
+    uint row = stepOf(kEnvironmentRows, height, u.y, inRow, rowShare);
+    uint texel = stepOf(environmentRow(width, height, row), width, u.x, inTexel, texelShare);
     vec2 place = vec2((float(texel) + inTexel) / float(width), (float(row) + inRow) / float(height));
     density = environmentDensity(rowShare, texelShare, place.y);
     float longitude = 2.0f * kPi * (place.x - picture.environment.w - 0.5f), polar = kPi * place.y;

@@ -249,6 +249,36 @@ void push(Pending from, Surface s, real3 direction, vec3 weight, float density, 
     pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, gone, from.depth + 1u, s.triangle, media);
 }
 
+// What a ray meets: the surface itself, or one of its facets.
+struct Facet {
+    real3 normal;
+    float kept;    // of what it reflects, the part that other facets do not hide; of what it lets through, all goes on
+    float density; // with which its reflection is chosen, per solid angle; 0: it is the only one
+};
+
+Facet facetFor(Surface s, Scatter c, Sampler random, uint depth) {
+    if (!c.rough) return Facet(s.normal, 1.0f, 0.0f);
+    mat3 frame = frameAbout(c.normal);
+    vec3 view = transpose(frame) * c.view;
+    vec3 facet = visibleFacet(c.alpha, vec3(view.xy, max(view.z, 1e-4f)), pairOf(random, kPairFacet, depth));
+    float cosLight = reflect(-view, facet).z;
+    float viewLambda = smithLambda(c.alpha, c.cosView);
+    float kept = cosLight > 0.0f ? (1.0f + viewLambda) / (1.0f + viewLambda + smithLambda(c.alpha, cosLight)) : 0.0f;
+    return Facet(real3(frame * facet), kept, reflectionDensity(c.alpha, c.cosView, dot(facet.xy, facet.xy)));
+}
+
+// The ray that goes on through the surface, of which `weight` enters; false, and no ray, if all is reflected.
+bool pushThrough(Pending from, Surface s, real3 normal, float eta, vec3 weight, float u) {
+    real3 bent = s.thin ? from.direction : refract(from.direction, normal, real(eta));
+    if (dot(bent, bent) == 0.0f) return false;
+    weight *= s.baseColor;
+    // The normal may bend a grazing ray back to its own side; it then goes straight on.
+    real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
+    float chosen = s.thin ? from.density : 0.0f; // shadow rays do not bend
+    if (isTraced(weight, u)) push(from, s, through, weight, chosen, from.gone, mediaBehind(s, from.media));
+    return true;
+}
+
 // `from` is the ray as it came to the surface: its weight, its width and its way are those there.
 void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
     if (from.depth >= kMaxDepth || kMostChildren == 0u) return;
@@ -259,39 +289,19 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
         if (isTraced(weight, chance.x)) push(from, s, from.direction, weight, from.density, from.gone, from.media);
     }
     if (s.unlit) return;
-    real3 normal = s.normal;
-    float kept = 1.0f; // of what facets reflect, the part that others do not hide; of what they let through, all goes on
-    float density = 0.0f;
-    if (c.rough) {
-        mat3 frame = frameAbout(c.normal);
-        vec3 view = transpose(frame) * c.view;
-        vec3 facet = visibleFacet(c.alpha, vec3(view.xy, max(view.z, 1e-4f)), pairOf(random, kPairFacet, from.depth));
-        normal = real3(frame * facet);
-        density = reflectionDensity(c.alpha, c.cosView, dot(facet.xy, facet.xy));
-        float cosLight = reflect(-view, facet).z;
-        kept = cosLight > 0.0f ? (1.0f + smithLambda(c.alpha, c.cosView)) / (1.0f + smithLambda(c.alpha, c.cosView) + smithLambda(c.alpha, cosLight)) : 0.0f;
-    }
-    float cosine = max(float(-dot(from.direction, normal)), 1e-4f);
+    Facet facet = facetFor(s, c, random, from.depth);
+    float cosine = max(float(-dot(from.direction, facet.normal)), 1e-4f);
     vec3 mirrorWeight = rest * s.mirror;
-    vec3 facetWeight = rest * (1.0f - s.mirror) * reflectedPart(s, cosine, c.eta) * kept;
+    vec3 facetWeight = rest * (1.0f - s.mirror) * reflectedPart(s, cosine, c.eta) * facet.kept;
     if (kHasTransmission && s.transmission > 0.0f) {
         vec3 weight = rest * (enteringPart(s, cosine, c.eta) * s.transmission);
-        real3 bent = s.thin ? from.direction : refract(from.direction, normal, real(c.eta));
-        if (dot(bent, bent) == 0.0f) { // total reflection
-            facetWeight += weight;
-        } else {
-            weight *= s.baseColor;
-            // The normal may bend a grazing ray back to its own side; it then goes straight on.
-            real3 through = dot(bent, s.geometricNormal) < 0.0f ? bent : from.direction;
-            float chosen = s.thin ? from.density : 0.0f; // shadow rays do not bend
-            if (isTraced(weight, chance.y)) push(from, s, through, weight, chosen, from.gone, mediaBehind(s, from.media));
-        }
+        if (!pushThrough(from, s, facet.normal, c.eta, weight, chance.y)) facetWeight += weight;
     }
     if (!kHasReflection && !kHasTransmission) return;
     if (!c.rough) {
         mirrorWeight += facetWeight;
     } else if (isTraced(facetWeight, chance.x)) {
-        push(from, s, mirrored(from.direction, s, normal), facetWeight, density, 0.0f, from.media);
+        push(from, s, mirrored(from.direction, s, facet.normal), facetWeight, facet.density, 0.0f, from.media);
     }
     if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, 0.0f, from.media);
 }

@@ -3,7 +3,7 @@
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/film.h"
 #include "tools/rt-trace/lights.h"
-#include "tools/rt-trace/render.h"
+#include "tools/rt-trace/render_loop.h"
 
 namespace rt::test {
 
@@ -16,6 +16,14 @@ inline BoundsD boundsOfAtlas(const Atlas& atlas) {
     const AtlasInfo& info = atlas.info;
     return {{info.worldLo[0], info.worldLo[1], info.worldLo[2]},
             {info.worldHi[0], info.worldHi[1], info.worldHi[2]}};
+}
+
+/// One sample of every pixel into the film, which is bound.
+inline FilmPixels renderOneSample(const GlProgram& program, const GpuView& view, const Film& film,
+                                  const GlContext& context, glm::uvec2 size) {
+    TileSamples tiles({0, 0, size}, 1);
+    renderTiles(program, view, film, context, tiles, {});
+    return film.read(tiles.window(), tiles.perPixel());
 }
 
 /// What rt-trace does for one picture, with its default lights.
@@ -46,8 +54,9 @@ inline Picture renderPicture(const GlContext& context, const Atlas& atlas, const
     view.bind();
     film.bind();
     finishCompiling(program, view);
-    renderRows(program, view, context);
-    return {film.read(), features.countWork ? film.readCounters() : std::vector<glm::uvec4>()};
+    const glm::uvec4 whole(0, 0, settings.size);
+    return {renderOneSample(program, view, film, context, settings.size),
+            features.countWork ? film.readCounters(whole) : std::vector<glm::uvec4>()};
 }
 
 } // namespace rt::test

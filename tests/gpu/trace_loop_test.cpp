@@ -157,7 +157,7 @@ TEST_F(RenderLoop, TilesThatAreGoodEnoughAreNotDispatchedAgain) {
     const LoopFigures figures = scene.run(film, tiles, control);
     EXPECT_EQ(figures.tilesStopped, tiles.tiles().size());
     EXPECT_EQ(tiles.most(), 16u);
-    EXPECT_TRUE(tiles.finished());
+    EXPECT_FALSE(tiles.nextRound());
 }
 
 } // namespace

@@ -1,8 +1,6 @@
 // Shadows, mirrors, glass and textures against what geometrical optics says, one ray at a time.
 #include "common/error.h"
-#include "tests/gpu/trace_fixture.h"
-#include "tools/rt-trace/lights.h"
-#include "tools/rt-trace/render.h"
+#include "tests/gpu/render_fixture.h"
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -108,8 +106,7 @@ public:
         gpuAtlas_.bind();
         view.bind();
         film.bind();
-        renderRows(program_, view, context_);
-        return film.read();
+        return test::renderOneSample(program_, view, film, context_, size);
     }
 
     // The middle of the only pixel is the look-at point.

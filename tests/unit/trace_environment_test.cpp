@@ -1,4 +1,5 @@
 #include "common/error.h"
+#include "formats/gpu_interface.shared.h"
 #include "formats/image_exr.h"
 #include "formats/image_hdr.h"
 #include "tests/support/temporary_folder.h"
@@ -21,7 +22,7 @@ TEST(Environment, OneColourIsTheSameEverywhere) {
     const double luminance = 0.2126 * 0.5 + 0.7152 + 0.0722 * 0.25;
     EXPECT_NEAR(map.cdf[2], luminance * 2.0 / M_PI, 1e-3);
     EXPECT_NEAR(map.cdf[3 + 32], 0.5, 1e-6);
-    EXPECT_EQ(map.cdf[rowOfCdf(2, 64, 17) + 1], 0.5f);
+    EXPECT_EQ(map.cdf[environmentRow(2, 64, 17) + 1], 0.5f);
     EXPECT_EQ(loadEnvironment("3").pixels[1], glm::vec3(3.0f));
 }
 
@@ -32,7 +33,7 @@ TEST(Environment, PartsOfTheLightFollowLuminanceAndTheRowsSize) {
     ASSERT_EQ(cdf.size(), 3u + 3u + 2u * 3u);
     EXPECT_NEAR(cdf[2], std::sqrt(0.5), 1e-6);
     EXPECT_THAT(std::vector<float>(cdf.begin() + 3, cdf.begin() + 6), testing::ElementsAre(0, 1, 1));
-    EXPECT_EQ(rowOfCdf(2, 2, 1), 9u);
+    EXPECT_EQ(environmentRow(2, 2, 1), 9u);
     EXPECT_THAT(std::vector<float>(cdf.begin() + 6, cdf.begin() + 9),
                 testing::ElementsAre(0, testing::FloatEq(0.25f), 1));
     EXPECT_THAT(std::vector<float>(cdf.begin() + 9, cdf.end()), testing::ElementsAre(0, 0.5f, 1))
@@ -48,7 +49,7 @@ TEST(Environment, TheDistributionCoversTheSphereOnce) {
     double sum = 0.0;
     for (unsigned row = 0; row < kHeight; ++row)
         for (unsigned x = 0; x < kWidth; ++x) {
-            const std::size_t first = rowOfCdf(kWidth, kHeight, row) + x;
+            const std::size_t first = environmentRow(kWidth, kHeight, row) + x;
             const double part = double(cdf[3 + row + 1] - cdf[3 + row]) * double(cdf[first + 1] - cdf[first]);
             const double sine = std::sin(M_PI * (row + 0.5) / kHeight);
             const double expected = pixels[row * kWidth + x].x * sine / (double(cdf[2]) * kWidth * kHeight);
@@ -62,7 +63,7 @@ TEST(Environment, BlackHasNoLightAndIsEven) {
     const EnvironmentMap map = loadEnvironment("0");
     EXPECT_EQ(map.cdf[2], 0.0f);
     EXPECT_FLOAT_EQ(map.cdf[3 + 16], 0.25f);
-    EXPECT_EQ(map.cdf[rowOfCdf(2, 64, 17) + 1], 0.5f);
+    EXPECT_EQ(map.cdf[environmentRow(2, 64, 17) + 1], 0.5f);
 }
 
 TEST(Environment, ExrKeepsItsRowsAndLosesWhatIsNoLight) {

@@ -31,7 +31,7 @@ TEST(TileSamples, RegionsCoverTheWindowOnce) {
                 const bool inside = x >= 10 && x < 200 && y >= 33 && y < 131;
                 ASSERT_EQ(visits[y * 256 + x], inside ? 3u : 0u) << x << "," << y;
             }
-        EXPECT_TRUE(tiles.finished());
+        EXPECT_FALSE(tiles.nextRound());
         EXPECT_EQ(tiles.perPixel(), std::vector<std::uint32_t>(190 * 98, 3));
     }
 }

@@ -14,6 +14,8 @@
 namespace rt {
 namespace {
 
+static_assert(kCameraPerspective == kPerspectiveView && kCameraOrthographic == kOrthographicView);
+
 constexpr double kMargin = 1.06;    // of the picture round the scene
 constexpr double kLeastSine = 1e-6; // between the view and up
 constexpr double kFlat = 0.02;      // extent over the largest one under which a scene counts as flat

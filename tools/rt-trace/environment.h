@@ -16,7 +16,7 @@ struct EnvironmentMap {
     unsigned height = 0;
     std::vector<glm::vec3> pixels; ///< radiance, linear RGB, finite and not negative; row by row from the top
     /// The piecewise constant distribution of luminance * sin(pi v), v in the middle of the row, over the
-    /// unit square of (u, v): floats, one after the other
+    /// unit square of (u, v): floats, one after the other, as the shaders read them (environmentRow())
     ///     [0]  width
     ///     [1]  height
     ///     [2]  integral over the unit square; 0 = all is black
@@ -28,11 +28,6 @@ struct EnvironmentMap {
     /// row. Source: Pharr, Jakob & Humphreys, "Physically Based Rendering", 13.6.7 and 14.2.4.
     std::vector<float> cdf;
 };
-
-/// Index in EnvironmentMap::cdf of the first value of a row.
-inline std::size_t rowOfCdf(unsigned width, unsigned height, unsigned row) {
-    return 3 + (std::size_t(height) + 1) + std::size_t(row) * (std::size_t(width) + 1);
-}
 
 /// Whether --environment names a file: it ends in .exr or .hdr.
 bool isEnvironmentFile(const std::string& text);

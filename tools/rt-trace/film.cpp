@@ -49,16 +49,16 @@ void divide(std::vector<glm::vec4>& sums, std::span<const std::uint32_t> samples
             if (which[c] && samples[i] > 1) sums[i][c] /= static_cast<float>(samples[i]);
 }
 
-float varianceOfMean(const glm::vec2& moments, std::uint32_t samples) {
-    if (samples < 2) return 0.0f;
-    const double n = samples;
-    const double mean = moments.y / n;
-    return static_cast<float>(std::max(moments.x / n - mean * mean, 0.0) / (n - 1.0));
-}
-
 } // namespace
 
-Film::Film(glm::uvec2 size, const SceneFeatures& features, const GlLimits& limits) : size_(size) {
+double varianceOfMean(const glm::vec2& moments, std::uint32_t samples) {
+    if (samples < 2) return 0.0;
+    const double n = samples;
+    const double mean = moments.y / n;
+    return std::max(moments.x / n - mean * mean, 0.0) / (n - 1.0);
+}
+
+Film::Film(glm::uvec2 size, const SceneFeatures& features, const GlLimits& limits) {
     if (size.x > limits.textureSize2D || size.y > limits.textureSize2D)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("--size {}x{}: this device renders at most {}x{}", size.x, size.y,
@@ -95,17 +95,8 @@ FilmPixels Film::read(const glm::uvec4& window, std::span<const std::uint32_t> s
     divide(pixels.texcoords, samples, glm::bvec4(false, false, true, true));
     const std::vector<glm::vec2> moments = readMoments(window);
     for (std::size_t i = 0; i < moments.size(); ++i)
-        pixels.variances.push_back(varianceOfMean(moments[i], samples[i]));
+        pixels.variances.push_back(static_cast<float>(varianceOfMean(moments[i], samples[i])));
     return pixels;
-}
-
-FilmPixels Film::read() const {
-    const glm::uvec4 window(0, 0, size_);
-    return read(window, std::vector<std::uint32_t>(pixelsIn(window), 1));
-}
-
-std::vector<glm::uvec4> Film::readCounters() const {
-    return readCounters({0, 0, size_});
 }
 
 std::vector<glm::uvec4> Film::readCounters(const glm::uvec4& window) const {

@@ -24,6 +24,9 @@ struct FilmPixels {
         {}; ///< of the mean of the luminance, estimated; 0 where there is one sample
 };
 
+/// Estimated from the sums of a value squared and of the value over so many samples; 0 for one sample.
+double varianceOfMean(const glm::vec2& moments, std::uint32_t samples);
+
 /// The images that a variant of the render shader writes.
 class Film {
 public:
@@ -33,10 +36,7 @@ public:
     void bind() const;
     /// Pixels of `window`, [xy, zw); `samples` has as many values: how many samples each pixel has.
     FilmPixels read(const glm::uvec4& window, std::span<const std::uint32_t> samples) const;
-    /// All pixels, of one sample each.
-    FilmPixels read() const;
     /// Rays, steps and triangle tests of each pixel; only of a film that counts work.
-    std::vector<glm::uvec4> readCounters() const;
     std::vector<glm::uvec4> readCounters(const glm::uvec4& window) const;
     /// Sums of the luminance squared and of the luminance; only of a film that has moments.
     std::vector<glm::vec2> readMoments(const glm::uvec4& window) const;
@@ -51,7 +51,6 @@ private:
     static constexpr std::size_t kImageCount = kCheckpointPlanes;
     bool isSaved(unsigned unit) const;
 
-    glm::uvec2 size_;
     std::array<GlTexture, kImageCount> images_; // by image unit; those that are not there have no name
 };
 

@@ -1,6 +1,5 @@
 #include "tools/rt-trace/render.h"
 
-#include "tools/rt-trace/gpu_timer.h"
 #include "tools/rt-trace/shader_variant.h"
 
 #include <epoxy/gl.h>
@@ -10,21 +9,12 @@
 namespace rt {
 namespace {
 
-constexpr unsigned kSoftwareRows = 64;          // of one dispatch; keeps the program interruptible
-constexpr unsigned kHardwarePixels = 16u << 20; // of one dispatch; displays' watchdogs stop long ones
-
 // Of a queue, for each invocation: few enough that all lanes of a device have work.
 constexpr unsigned kPixelsPerLane = 4;
 constexpr unsigned kGroupsAcross = 32768;
 
-unsigned tiles(unsigned pixels) {
-    return (pixels + kTileSize - 1) / kTileSize;
-}
-
-unsigned rowsPerDispatch(const glm::uvec4& size, const GlContext& context) {
-    if (context.device().software) return kSoftwareRows;
-    const unsigned rows = std::min(kHardwarePixels / size.x, context.limits().groupCountY * kTileSize);
-    return std::max(rows / kTileSize * kTileSize, kTileSize);
+unsigned groupsFor(unsigned pixels) {
+    return (pixels + kGroupSide - 1) / kGroupSide;
 }
 
 } // namespace
@@ -84,7 +74,7 @@ void GpuView::setWork(const glm::uvec4& region, unsigned first, unsigned count) 
 
 void GpuView::dispatch(const glm::uvec4& region, unsigned first, unsigned count) const {
     setWork(region, first, count);
-    const glm::uvec2 groups(tiles(region.z - region.x), tiles(region.w - region.y));
+    const glm::uvec2 groups(groupsFor(region.z - region.x), groupsFor(region.w - region.y));
     if (!queueBuffer_.name()) {
         glDispatchCompute(groups.x, groups.y, 1);
         return;
@@ -102,23 +92,6 @@ void finishCompiling(const GlProgram& program, const GpuView& view) {
     glDispatchCompute(1, 1, 1);
     glFinish();
     checkGl("starting the renderer");
-}
-
-double renderRows(const GlProgram& program, const GpuView& view, const GlContext& context) {
-    const RenderParams& params = view.params();
-    const glm::uvec4 size = params.size;
-    const unsigned band = rowsPerDispatch(size, context);
-    glUseProgram(program.name());
-    GpuTimer timer(context.device().software);
-    timer.begin();
-    for (unsigned row = 0; row < size.y; row += band) {
-        const unsigned end = std::min(row + band, size.y);
-        view.dispatch({0, row, size.x, end}, params.samples.x, params.samples.y);
-    }
-    timer.end();
-    const double elapsedMs = timer.elapsedMs();
-    checkGl("rendering");
-    return elapsedMs;
 }
 
 } // namespace rt

@@ -1,10 +1,10 @@
 #pragma once
 #include "formats/gpu_interface.shared.h"
-#include "tools/rt-trace/film.h"
-#include "tools/rt-trace/gl_context.h"
-#include "tools/rt-trace/upload_atlas.h"
+#include "formats/material.shared.h"
+#include "tools/rt-trace/gl_objects.h"
 
 #include <span>
+#include <vector>
 
 namespace rt {
 
@@ -30,7 +30,6 @@ public:
     GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
             bool queue = false);
     void bind() const;
-    const RenderParams& params() const { return params_; }
     /// Makes the next dispatch render this region, [xy, zw), and `count` samples from `first` on.
     void setWork(const glm::uvec4& region, unsigned first, unsigned count) const;
     /// setWork() and the dispatch itself.
@@ -43,9 +42,5 @@ private:
 
 /// Makes the driver finish compiling for what is bound: some do so at the first dispatch only.
 void finishCompiling(const GlProgram& program, const GpuView& view);
-
-/// Renders the samples of view.params() of every pixel into what is bound; returns milliseconds on the
-/// device.
-double renderRows(const GlProgram& program, const GpuView& view, const GlContext& context);
 
 } // namespace rt

@@ -163,13 +163,9 @@ private:
 
 double meanRelativeError(std::span<const glm::vec2> moments, std::uint32_t samples) {
     if (moments.empty()) return 0.0;
-    const double n = samples;
     double sum = 0.0;
-    for (const glm::vec2& m : moments) {
-        const double mean = m.y / n;
-        const double variance = std::max(m.x / n - mean * mean, 0.0) / (n - 1.0);
-        sum += std::sqrt(variance) / std::max(mean, kDarkest);
-    }
+    for (const glm::vec2& m : moments)
+        sum += std::sqrt(varianceOfMean(m, samples)) / std::max(double(m.y) / samples, kDarkest);
     return sum / static_cast<double>(moments.size());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "tools/rt-trace/film.h"
+#include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/render.h"
 #include "tools/rt-trace/tile_samples.h"
 

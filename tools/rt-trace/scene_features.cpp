@@ -46,7 +46,7 @@ std::span<const FeatureRow> featureTable() {
         {"RT_HAS_AOVS", &SceneFeatures::hasAovs, "channels beyond colour, N, Z and id were asked for"},
         {"RT_HAS_MOMENTS", &SceneFeatures::hasMoments, "the error is estimated"},
         {"RT_MAX_DEPTH", &SceneFeatures::maxDepth,
-         "--max-depth, where a material in use reflects or transmits"},
+         "--max-depth, where a material in use reflects, transmits or stops part of the light only"},
     };
     return kTable;
 }

@@ -15,7 +15,7 @@ ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const
     const std::string prelude =
         fmt::format("#version 450 core\n{}{}#define RT_GROUP_X {}\n#define RT_GROUP_Y {}\n",
                     plan.features.subgroups ? kSubgroupExtensions : "", featureDefines(plan.features),
-                    render ? kTileSize : kRaysPerGroup, render ? kTileSize : 1);
+                    render ? kGroupSide : kRaysPerGroup, render ? kGroupSide : 1);
     const auto findWithResources = [&](std::string_view path) -> std::optional<std::string> {
         if (path == "shaders/resources.glsl") return resourceText(plan);
         return find(path);

@@ -4,8 +4,8 @@
 
 namespace rt {
 
-// Work groups: a tile of pixels, or a run of rays.
-inline constexpr unsigned kTileSize = 8;
+// Work groups: a square of pixels, or a run of rays.
+inline constexpr unsigned kGroupSide = 8;
 inline constexpr unsigned kRaysPerGroup = 128;
 
 /// The entry shader of the plan's kind, shaders/render.comp.glsl or shaders/query.comp.glsl, for its

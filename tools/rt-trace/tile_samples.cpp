@@ -27,10 +27,6 @@ glm::uvec4 TileSamples::pixelsOf(std::size_t tile) const {
     return pixelsOf(glm::uvec4(at, at + 1u));
 }
 
-bool TileSamples::finished() const {
-    return std::all_of(tiles_.begin(), tiles_.end(), [](const Tile& tile) { return tile.finished(); });
-}
-
 std::optional<TileSamples::Round> TileSamples::nextRound() const {
     std::optional<std::uint32_t> fewest;
     for (const Tile& tile : tiles_)

@@ -38,7 +38,6 @@ public:
     /// Of the tile with this index.
     glm::uvec4 pixelsOf(std::size_t tile) const;
 
-    bool finished() const;
     /// What is next: tiles that are not finished and have the fewest samples, and how many more they all can
     /// have before one is finished or they are as far as others.
     struct Round {
