@@ -32,7 +32,7 @@ RT_SHARED_BEGIN
 #define RT_BUFFER_ENVIRONMENT                                                                                \
     3 // render: float, how light is distributed over the environment; see shaders/environment.glsl
 #define RT_BUFFER_HITS 4
-#define RT_BUFFER_PIXELS 4 // render, with a queue: uint, how many pixels have been taken
+#define RT_BUFFER_PIXELS 4   // render, with a queue: uint, how many pixels have been taken
 #define RT_BUFFER_COUNTERS 5 // uvec4 per ray, where work is counted
 #define RT_BUFFER_FIRST_PAGED 6
 // Texture units: the texture pages, once with sRGB decoded and once as they are; the environment; then the

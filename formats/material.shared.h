@@ -29,8 +29,8 @@ struct Material {
 
 RT_SHARED_CONST uint kMaterialThin = 1u;  // a wall without a thickness: light goes straight through
 RT_SHARED_CONST uint kMaterialUnlit = 2u; // shows its base colour, whatever the light
-RT_SHARED_CONST uint kMaterialClear = 4u;  // its opacity counts; else it is opaque whatever alpha says
-RT_SHARED_CONST uint kMaterialBits = 7u;   // all of them
+RT_SHARED_CONST uint kMaterialClear = 4u; // its opacity counts; else it is opaque whatever alpha says
+RT_SHARED_CONST uint kMaterialBits = 7u;  // all of them
 
 RT_SHARED_CONST uint kLightPoint = 0u;
 RT_SHARED_CONST uint kLightDirectional = 1u;

@@ -12,6 +12,7 @@ using Type = ImageChannel::Type;
 // 4 x 2 pixels.
 const Image kImage{4,
                    2,
+                   {},
                    {{"R", Type::Float, {0, 1, 10, 20, 2, 3, 30, 40}, {}},
                     {"Z", Type::Float, {1, 1, 1, 1, 1, 1, 1, 1}, {}},
                     {"id", Type::Uint, {}, {0, 1, 2, 3, 4, 5, 6, 7}}},

@@ -60,7 +60,7 @@ std::vector<WorldLight> defaultLights(const BoundsD& scene, const CameraPose& po
 }
 
 std::vector<WorldLight> worldLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
-                                    const BoundsD& scene, const CameraPose& pose) {
+                                    const BoundsD& scene, const CameraPose& pose, bool environment) {
     std::vector<WorldLight> lights;
     for (const LightRequest& light : requested) {
         // Not nearer than part of the scene's size, or a light at the centre would be dark.
@@ -72,17 +72,17 @@ std::vector<WorldLight> worldLights(const std::vector<LightRequest>& requested, 
     if (lights.empty())
         for (const Light& light : atlas.lights)
             lights.push_back({glm::dvec3(light.position), glm::dvec3(light.intensity), light});
-    return lights.empty() ? defaultLights(scene, pose) : lights;
+    return lights.empty() && !environment ? defaultLights(scene, pose) : lights;
 }
 
 } // namespace
 
 std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
-                                const BoundsD& scene, const CameraPose& pose) {
+                                const BoundsD& scene, const CameraPose& pose, bool environment) {
     const glm::dvec3 offset(atlas.grid.worldOffset);
     const double scale = atlas.grid.worldOffset.w;
     std::vector<Light> lights;
-    for (const WorldLight& light : worldLights(requested, atlas, scene, pose))
+    for (const WorldLight& light : worldLights(requested, atlas, scene, pose, environment))
         lights.push_back(toAtlas(light, offset, scale));
     return lights;
 }

@@ -17,9 +17,9 @@ struct LightRequest {
 };
 
 /// The lights of a picture in atlas space: those of the command line, else those of the atlas, of whatever
-/// kind, else a key and a fill light by the camera. Lengths are scaled, and intensities of points and spots
-/// so that intensity / distance^2 is the same in both spaces.
+/// kind, else, unless an `environment` lights the scene, a key and a fill light by the camera. Lengths are
+/// scaled, and intensities of points and spots so that intensity / distance^2 is the same in both spaces.
 std::vector<Light> chooseLights(const std::vector<LightRequest>& requested, const Atlas& atlas,
-                                const BoundsD& scene, const CameraPose& pose);
+                                const BoundsD& scene, const CameraPose& pose, bool environment = false);
 
 } // namespace rt

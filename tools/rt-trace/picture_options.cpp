@@ -167,9 +167,9 @@ void addLightOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts) 
                "A point light instead of the scene's, repeatable; without R,G,B it gives a white surface "
                "at the scene's centre a radiance of 0.9")
             ->type_name("X,Y,Z[,R,G,B]"),
-        app.add_option("--ambient", texts.ambient, "Light from everywhere")
-            ->type_name("G|R,G,B")
-            ->capture_default_str(),
+        app.add_option("--ambient", texts.ambient,
+                       "Light from everywhere; else 0.1, or none with --environment")
+            ->type_name("G|R,G,B"),
         app.add_option("--occlusion", options.occlusion,
                        "Surfaces nearer than this hide ambient light; 0 = none does")
             ->check(notNegative())
@@ -325,7 +325,8 @@ void convertPictureTexts(const PictureTexts& texts, TraceOptions& options) {
     if (!texts.up.empty()) camera.up = parsePoint(texts.up, "--up");
     for (const unsigned view : {kPerspectiveView, kOrthographicView, kPanoramaView})
         if (texts.view == viewName(view)) camera.view = view;
-    options.ambient = parseColor(texts.ambient, "--ambient");
+    const char* const usual = options.environment.empty() ? "0.1" : "0";
+    options.ambient = parseColor(texts.ambient.empty() ? usual : texts.ambient, "--ambient");
     options.background = parseColor(texts.background, "--background");
     if (!options.environment.empty()) checkEnvironment(options.environment);
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));

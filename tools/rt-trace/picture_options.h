@@ -14,7 +14,7 @@ inline constexpr const char* kPictureGroup = "Pictures";
 struct PictureTexts {
     std::string size = "512x512";
     std::string crop;
-    std::string ambient = "0.1";
+    std::string ambient;
     std::string background = "0.32,0.4,0.5";
     std::string view;
     std::string eye, lookAt, up;

@@ -29,7 +29,8 @@ PictureSetup setUpPicture(const TraceOptions& options, const Atlas& atlas) {
     PictureSetup setup;
     moveCamera(setup, options.camera, options, atlas);
     setup.params = renderParams(options, atlas.grid);
-    setup.lights = chooseLights(options.lights, atlas, sceneBounds(atlas.info), setup.pose);
+    setup.lights = chooseLights(options.lights, atlas, sceneBounds(atlas.info), setup.pose,
+                                !options.environment.empty());
     if (!options.environment.empty()) setup.environment = loadEnvironment(options.environment);
     return setup;
 }
