@@ -267,7 +267,7 @@ TEST_F(Furnace, TheEnvironmentIsSeenWhereItIs) {
             const glm::dvec3 direction(std::sin(polar) * std::sin(longitude), std::cos(polar),
                                        -std::sin(polar) * std::cos(longitude));
             EXPECT_TRUE(isNear(glm::dvec3(glm::vec3(pixels.colors[i])),
-                               test::skyOf(settings.environment, direction, turn), 1e-3))
+                               test::skyOf(settings.environment, direction, turn), 3e-3))
                 << i;
         }
     }
