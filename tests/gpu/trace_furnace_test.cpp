@@ -194,6 +194,16 @@ TEST_F(Furnace, LightsWithASizeAreReflectedByRoughMetal) {
     }
 }
 
+// 0.6 x 0.8, facing down.
+Light rectangleAt(const glm::vec3& centre) {
+    Light light = pointLight(centre, glm::vec3(1.0f));
+    light.kind.x = kLightRectangle;
+    light.direction = glm::vec4(0, 0, -1, 0);
+    light.edgeU = glm::vec4(0.3f, 0, 0, 0);
+    light.edgeV = glm::vec4(0, 0.4f, 0, 0);
+    return light;
+}
+
 // The same, where each way leads through something clear. The index is low: light that the pane sends back to
 // the metal is not in the integral.
 TEST_F(Furnace, LightsWithASizeAreReflectedOnceBehindWhatIsClear) {
@@ -202,11 +212,7 @@ TEST_F(Furnace, LightsWithASizeAreReflectedOnceBehindWhatIsClear) {
     Light sphere = pointLight(centre, glm::vec3(1.0f));
     sphere.kind.x = kLightSphere;
     sphere.position.w = float(kRadius);
-    Light rectangle = pointLight(centre, glm::vec3(1.0f));
-    rectangle.kind.x = kLightRectangle;
-    rectangle.direction = glm::vec4(0, 0, -1, 0);
-    rectangle.edgeU = glm::vec4(0.3f, 0, 0, 0);
-    rectangle.edgeV = glm::vec4(0, 0.4f, 0, 0);
+    const Light rectangle = rectangleAt(centre);
     Material veil = diffuseMaterial(glm::vec3(0.0f));
     veil.baseColor.a = float(kOpacity);
     veil.more.y = kMaterialClear;
