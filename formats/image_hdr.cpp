@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <memory>
+#include <string_view>
 
 namespace rt {
 namespace {
@@ -24,6 +25,42 @@ ImageChannel channelOf(const char* name, const float* values, std::size_t count,
     channel.values.reserve(count);
     for (std::size_t i = 0; i < count; ++i) channel.values.push_back(values[3 * i + component]);
     return channel;
+}
+
+/// The bytes of a picture's rows, which follow the line that gives its size.
+std::span<const std::uint8_t> rowsOf(std::span<const std::byte> bytes) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    const std::size_t header = text.find("\n\n");
+    const std::size_t end = header == text.npos ? text.npos : text.find('\n', header + 2);
+    if (end == text.npos) return {};
+    return {reinterpret_cast<const std::uint8_t*>(bytes.data()) + end + 1, bytes.size() - end - 1};
+}
+
+/// Takes one component of a row off `rest`: runs (a count above 128, a value) and copies (a count, values).
+bool takeComponent(std::span<const std::uint8_t>& rest, std::size_t width) {
+    for (std::size_t x = 0; x < width;) {
+        if (rest.empty()) return false;
+        const std::size_t count = rest[0] > 128 ? rest[0] - 128u : rest[0];
+        const std::size_t bytes = rest[0] > 128 ? 2 : 1 + count;
+        if (count == 0 || bytes > rest.size() || x + count > width) return false;
+        rest = rest.subspan(bytes);
+        x += count;
+    }
+    return true;
+}
+
+/// Whether all rows are there: the decoder would wait for ever for the rest of one (Ward 1991 describes
+/// them).
+bool hasAllRows(std::span<const std::uint8_t> rest, std::size_t width, std::size_t height) {
+    const auto isPacked = [&] { return rest.size() >= 4 && rest[0] == 2 && rest[1] == 2 && rest[2] < 128; };
+    if (width < 8 || width >= 32768 || !isPacked()) return rest.size() >= width * height * 4;
+    for (std::size_t y = 0; y < height; ++y) {
+        if (!isPacked() || (std::size_t(rest[2]) << 8 | rest[3]) != width) return false;
+        rest = rest.subspan(4);
+        for (int component = 0; component < 4; ++component)
+            if (!takeComponent(rest, width)) return false;
+    }
+    return true;
 }
 
 } // namespace
@@ -45,6 +82,9 @@ Image decodeHdr(std::span<const std::byte> bytes, const std::string& name) {
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged or truncated: {} bytes cannot hold {} x {} pixels", name,
                                 bytes.size(), width, height));
+    if (!hasAllRows(rowsOf(bytes), std::size_t(width), std::size_t(height)))
+        throw Error(ErrorKind::InvalidContent,
+                    fmt::format("{}: is damaged or truncated: its {} rows are not all there", name, height));
     const std::unique_ptr<float, FreeStb> values(
         stbi_loadf_from_memory(data, size, &width, &height, &channels, 3));
     if (!values)

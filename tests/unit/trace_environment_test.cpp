@@ -116,5 +116,20 @@ TEST(Environment, WhatIsNoneIsRefused) {
     EXPECT_EQ(kindOf(folder.file("e.hdr")), ErrorKind::InvalidContent);
 }
 
+// Rows of eight equal pixels, packed: a decoder would wait for the rest of the second for ever.
+TEST(Environment, RowsThatEndEarlyAreRefused) {
+    const test::TemporaryFolder folder;
+    std::string row("\x02\x02\x00\x08", 4);
+    for (int component = 0; component < 4; ++component) row += "\x88\x80";
+    const std::string whole = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 8\n" + row + row;
+    const std::string path = folder.file("e.hdr");
+    std::ofstream(path, std::ios::binary) << whole;
+    EXPECT_EQ(loadEnvironment(path).pixels.size(), 16u);
+    for (std::size_t cut = 1; cut <= row.size(); ++cut) {
+        std::ofstream(path, std::ios::binary) << whole.substr(0, whole.size() - cut);
+        EXPECT_EQ(kindOf(path), ErrorKind::InvalidContent) << cut;
+    }
+}
+
 } // namespace
 } // namespace rt

@@ -110,10 +110,20 @@ CLI::Validator oneOf(std::vector<std::string> names) {
     return CLI::IsMember(std::move(names)).description("");
 }
 CLI::Validator notNegative() {
-    return CLI::Validator(CLI::NonNegativeNumber).description("");
+    return {[](const std::string& text) -> std::string {
+                double value = 0.0;
+                const bool isNumber = CLI::detail::lexical_cast(text, value);
+                return isNumber && value >= 0.0 ? "" : text + " is not a number of 0 or more";
+            },
+            ""};
 }
 CLI::Validator positive() {
-    return CLI::Validator(CLI::PositiveNumber).description("");
+    return {[](const std::string& text) -> std::string {
+                double value = 0.0;
+                const bool isNumber = CLI::detail::lexical_cast(text, value);
+                return isNumber && value > 0.0 ? "" : text + " is not a number above 0";
+            },
+            ""};
 }
 
 template <class Names>
@@ -249,6 +259,7 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
             ->type_name(fmt::format("{}", fmt::join(kToneMapNames, "|")))
             ->capture_default_str(),
         app.add_option("--exposure", options.exposureStops, "Brightens a PNG by 2^STOPS")
+            ->check(numberBetween(-100.0, 100.0))
             ->type_name("STOPS")
             ->capture_default_str(),
         app.add_option("--heat", texts.heat,

@@ -1,6 +1,7 @@
 #include "tools/rt-trace/trace_scene.h"
 
 #include "common/binary_io.h"
+#include "common/error.h"
 #include "common/log.h"
 #include "tools/rt-trace/camera_path.h"
 #include "tools/rt-trace/explain.h"
@@ -25,6 +26,16 @@ void makePicture(const TraceOptions& options, const GpuScene& scene, const Pictu
     stages.end();
     logPicture(picture, options);
     reportPicture(picture, options, scene, setup, stages);
+}
+
+/// Before the first frame is rendered: throws Error{InvalidContent} if one has a camera that sees nothing.
+void checkPath(const TraceOptions& options, const std::vector<CameraKey>& path) {
+    for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) try {
+            placeCamera(cameraAt(path, frame, options.camera), {glm::dvec3(-1.0), glm::dvec3(1.0)}, 1.0);
+        } catch (const Error& error) {
+            throw Error(ErrorKind::InvalidContent,
+                        fmt::format("{}: frame {}: {}", options.cameraPath, frame, error.what()));
+        }
 }
 
 void makeFrames(const TraceOptions& options, const std::vector<CameraKey>& path, const GpuScene& scene,
@@ -56,6 +67,7 @@ void traceScene(const TraceOptions& given) {
     std::vector<CameraKey> path;
     if (options.frames) {
         path = readCameraPath(options.cameraPath);
+        checkPath(options, path);
         options.camera = cameraAt(path, options.frames->first, options.camera);
     }
     PictureSetup setup;
