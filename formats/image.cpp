@@ -5,6 +5,7 @@
 #include "formats/image_exr.h"
 #include "formats/image_png.h"
 
+#include <cmath>
 #include <fmt/format.h>
 
 namespace rt {
@@ -31,6 +32,10 @@ std::vector<std::byte> encodeImage(const std::string& path, const Image& image) 
         throw Error(ErrorKind::Usage,
                     fmt::format("{}: pictures are written as .exr or .png; change the extension", path));
     return *type == ImageFileType::Exr ? encodeExr(image) : encodePng(image);
+}
+
+double decodeSrgb(double encoded) {
+    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
 void writeImage(const std::string& path, const Image& image) {

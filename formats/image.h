@@ -47,6 +47,9 @@ enum class ImageFileType { Exr, Png };
 /// What the path's extension stands for, in upper or lower case; nothing for any other extension.
 std::optional<ImageFileType> imageFileType(const std::string& path);
 
+/// Linear light of an sRGB-encoded value, both 0 to 1. Source: IEC 61966-2-1.
+double decodeSrgb(double encoded);
+
 /// The bytes of a single-part scanline EXR with ZIP compression, or of a PNG, which does not know of frames,
 /// of R, G, B (A) clamped to [0,1] and sRGB-encoded, by the path's extension. Same image, same bytes. Throws
 /// Error{Usage} for another extension or a PNG without those channels, Error{LimitExceeded} for a PNG that is

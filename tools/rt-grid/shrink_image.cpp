@@ -1,29 +1,26 @@
 #include "tools/rt-grid/shrink_image.h"
 
+#include "formats/image.h"
+
 #include "formats/material.shared.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <vector>
 
 namespace rt {
 namespace {
-
-double linearOf(double srgb) {
-    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-}
 
 // The sRGB code of linear light and back, by tables: 2^26 texels would be three times as many powers.
 class SrgbTables {
 public:
     SrgbTables() {
         for (unsigned code = 0; code < 256; ++code) {
-            linear_[code] = static_cast<float>(linearOf(code / 255.0));
+            linear_[code] = static_cast<float>(decodeSrgb(code / 255.0));
             // Code k is nearest from here on; the last is never reached.
-            border_[code] = code == 0 ? 0.0f : static_cast<float>(linearOf((code - 0.5) / 255.0));
+            border_[code] = code == 0 ? 0.0f : static_cast<float>(decodeSrgb((code - 0.5) / 255.0));
         }
         unsigned code = 0;
         for (unsigned bin = 0; bin < kBins; ++bin) {

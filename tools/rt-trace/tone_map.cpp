@@ -42,10 +42,6 @@ glm::dvec3 toneMapped(ToneMap map, const glm::dvec3& linear) {
     return linear;
 }
 
-double decodeSrgb(double encoded) {
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
 glm::dvec3 heatColor(double t) {
     static constexpr std::array<std::array<unsigned char, 3>, 9> kColors = {{{68, 1, 84},
                                                                              {71, 45, 123},

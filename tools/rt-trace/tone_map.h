@@ -22,7 +22,4 @@ double luminanceOf(const glm::dvec3& linear);
 /// between.
 glm::dvec3 heatColor(double t);
 
-/// Linear light of an sRGB-encoded value. Source: IEC 61966-2-1.
-double decodeSrgb(double encoded);
-
 } // namespace rt
