@@ -210,8 +210,7 @@ private:
         needs.moments = true;
         SceneFeatures features = renderFeatures(atlas, needs);
         features.software = context.device().software;
-        features.pixelQueue =
-            settings.pixelQueue.value_or(!features.software && features.hasTransmission != 0);
+        features.pixelQueue = settings.pixelQueue.value_or(wantsPixelQueue(features) != 0);
         return features;
     }
     void bind(const GpuView& view, const Film& film) const {

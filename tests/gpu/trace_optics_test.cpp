@@ -1,6 +1,7 @@
 // Shadows, mirrors, glass and textures against what geometrical optics says, one ray at a time.
 #include "common/error.h"
 #include "tests/gpu/render_fixture.h"
+#include "tests/gpu/scene_fixture.h"
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -35,44 +36,6 @@ Material glass(float ior) {
     material.transmission.x = 1.0f;
     material.transmission.y = ior;
     return material;
-}
-
-// The rectangle of that height, seen from both sides.
-Mesh makeFloor(glm::vec2 lo, glm::vec2 hi, float z) {
-    return test::makeTriangles({{lo.x, lo.y, z},
-                                {hi.x, lo.y, z},
-                                {hi.x, hi.y, z},
-                                {lo.x, lo.y, z},
-                                {hi.x, hi.y, z},
-                                {lo.x, hi.y, z}});
-}
-
-struct Part {
-    Mesh mesh;
-    Material material;
-};
-
-Mesh joined(const std::vector<Part>& parts) {
-    std::vector<glm::vec3> positions, normals;
-    std::vector<glm::uvec3> triangles;
-    std::vector<std::uint32_t> triangleMaterial;
-    std::vector<Material> materials;
-    for (const Part& part : parts) {
-        for (const glm::uvec3& t : part.mesh.triangles) {
-            triangles.push_back(t + static_cast<std::uint32_t>(positions.size()));
-            triangleMaterial.push_back(static_cast<std::uint32_t>(materials.size()));
-        }
-        positions.insert(positions.end(), part.mesh.positions.begin(), part.mesh.positions.end());
-        normals.insert(normals.end(), part.mesh.normals.begin(), part.mesh.normals.end());
-        materials.push_back(part.material);
-    }
-    Mesh mesh;
-    mesh.positions = std::move(positions);
-    mesh.normals = std::move(normals);
-    mesh.triangles = std::move(triangles);
-    mesh.triangleMaterial = std::move(triangleMaterial);
-    mesh.materials = std::move(materials);
-    return mesh;
 }
 
 struct PointLight {
@@ -137,12 +100,13 @@ class Optics : public test::OnGpu {};
 TEST_F(Optics, ABoxCastsAShadowWithItsEdgeWhereTheLightsRaysGrazeIt) {
     constexpr float kAmbient = 0.25f;
     constexpr float kIntensity = 30.0f;
-    const LitScene scene(*context,
-                         joined({{makeFloor({-4, -4}, {4, 4}, 0.0f), matt()},
-                                 {test::makeBox({-0.5f, -0.5f, 1.0f}, {0.5f, 0.5f, 1.5f}), matt()},
-                                 // Beyond the light, and so in nobody's way.
-                                 {test::makeBox({-1.0f, -1.0f, 5.0f}, {1.0f, 1.0f, 5.5f}), matt()}}),
-                         PointLight{{0, 0, 4}, kIntensity}, kAmbient);
+    const LitScene scene(
+        *context,
+        test::joinedParts({{test::makeFloor({-4, -4}, {4, 4}, 0.0f), matt()},
+                           {test::makeBox({-0.5f, -0.5f, 1.0f}, {0.5f, 0.5f, 1.5f}), matt()},
+                           // Beyond the light, and so in nobody's way.
+                           {test::makeBox({-1.0f, -1.0f, 5.0f}, {1.0f, 1.0f, 5.5f}), matt()}}),
+        PointLight{{0, 0, 4}, kIntensity}, kAmbient);
     for (const glm::dvec2 towards : {glm::dvec2(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
         for (const double distance : {0.1, 0.7, 0.799, 0.801, 0.9, 3.0}) {
             const glm::dvec3 point(towards * distance, 0.0);
@@ -158,9 +122,9 @@ TEST_F(Optics, ABoxCastsAShadowWithItsEdgeWhereTheLightsRaysGrazeIt) {
 
 // The mirror image of the box [1, 2] x [-0.2, 0.2] x [2, 2.4] in the plane z = 0.
 TEST_F(Optics, AMirrorShowsAnObjectAtItsMirroredPlace) {
-    const LitScene scene(*context,
-                         joined({{makeFloor({-5, -5}, {5, 5}, 0.0f), mirror()},
-                                 {test::makeBox({1.0f, -0.2f, 2.0f}, {2.0f, 0.2f, 2.4f}), glowing()}}));
+    const LitScene scene(
+        *context, test::joinedParts({{test::makeFloor({-5, -5}, {5, 5}, 0.0f), mirror()},
+                                     {test::makeBox({1.0f, -0.2f, 2.0f}, {2.0f, 0.2f, 2.4f}), glowing()}}));
     const glm::dvec3 eye(-2.5, 0, 3);
     const auto expectEdge = [&](const glm::dvec3& inside, const glm::dvec3& outside) {
         EXPECT_TRUE(isColor(scene.colorTowards(eye, inside), kGlow))
@@ -178,8 +142,9 @@ TEST_F(Optics, AMirrorShowsAnObjectAtItsMirroredPlace) {
 // d sin(i) (1 - cos(i) / sqrt(n^2 - sin^2(i))) and leaves its direction as it is (Snell's law, twice).
 TEST_F(Optics, AGlassSlabDisplacesWhatIsBehindIt) {
     constexpr double kIor = 1.5;
-    const LitScene scene(*context, joined({{test::makeBox({-45, -2, 0}, {10, 2, 1}), glass(float(kIor))},
-                                           {makeFloor({0, -1}, {8, 1}, -2.0f), glowing()}}));
+    const LitScene scene(*context,
+                         test::joinedParts({{test::makeBox({-45, -2, 0}, {10, 2, 1}), glass(float(kIor))},
+                                            {test::makeFloor({0, -1}, {8, 1}, -2.0f), glowing()}}));
     for (const double degrees : {0.0, 10.0, 30.0, 50.0, 70.0, 80.0}) {
         const double i = glm::radians(degrees);
         const double sine = std::sin(i), cosine = std::cos(i);
@@ -198,8 +163,9 @@ TEST_F(Optics, AGlassSlabDisplacesWhatIsBehindIt) {
 // From inside, glass of index n reflects everything beyond asin(1 / n), and lets all else out.
 TEST_F(Optics, GlassReflectsTotallyBeyondTheCriticalAngle) {
     constexpr double kIor = 1.5;
-    const LitScene scene(*context, joined({{test::makeBox({-20, -20, 0}, {20, 20, 2}), glass(float(kIor))},
-                                           {makeFloor({-19, -19}, {19, 19}, 0.5f), glowing()}}));
+    const LitScene scene(*context,
+                         test::joinedParts({{test::makeBox({-20, -20, 0}, {20, 20, 2}), glass(float(kIor))},
+                                            {test::makeFloor({-19, -19}, {19, 19}, 0.5f), glowing()}}));
     const double critical = std::asin(1.0 / kIor);
     for (const double i : {0.0, 0.5 * critical, critical - 1e-3, critical + 1e-3, 1.0, 1.4}) {
         const glm::dvec3 eye(0.1, 0.2, 1);

@@ -111,6 +111,10 @@ SceneFeatures renderFeatures(const Atlas& atlas, const PictureNeeds& needs) {
     return features;
 }
 
+unsigned wantsPixelQueue(const SceneFeatures& features) {
+    return features.hasTransmission && !features.software;
+}
+
 SceneFeatures queryFeatures(const Atlas& atlas, bool anyHit) {
     SceneFeatures features;
     features.structure = atlas.grid.dims.w;

@@ -68,6 +68,9 @@ struct PictureNeeds {
 /// sizes are validated.
 SceneFeatures renderFeatures(const Atlas& atlas, const PictureNeeds& needs);
 
+/// Whether a picture with these features, `software` among them, takes its pixels from a queue.
+unsigned wantsPixelQueue(const SceneFeatures& features);
+
 /// Features of ray queries, which do not shade.
 SceneFeatures queryFeatures(const Atlas& atlas, bool anyHit);
 
