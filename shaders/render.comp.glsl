@@ -52,34 +52,70 @@ void recordPrimary(inout Sample result, Ray ray, Hit hit, Surface s) {
     result.texcoord = texcoordAt(loadTriangleVertices(hit.triangle), vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
 }
 
-// Traces one ray, adds the light that it finds, and makes the rays that follow wait.
-void follow(Pending current, Sampler random, inout Sample result, inout WorkCounters work) {
-    Ray ray = Ray(current.origin, current.direction, 0.0f, kUnlimited);
-    Hit hit = trace(ray, false, work);
+// Adds what a ray of a path brings along without a surface; false if it has met one, which is then lit.
+bool endsInLight(Hit hit, inout Sample result) {
     bool missed = hit.triangle == kNoTriangle;
     if (kHasEmitters) {
         // A light in the plane of a surface is in front of it.
-        Emitter emitter = emitterOnWay(ray, hit.t * (1.0f + 1e-5f), current.gone);
+        Emitter emitter = emitterOnWay(flight.ray, hit.t * (1.0f + 1e-5f), path.gone);
         if (emitter.radiance != vec3(0.0f)) {
-            float share = current.density > 0.0f ? current.density / (current.density + emitter.density) : 1.0f;
-            result.color.rgb += current.weight * passedBy(current.media, float(emitter.t)) * emitter.radiance * share;
-            if (current.depth == 0u) result.color.a = 1.0f;
-            return;
+            float share = path.density > 0.0f ? path.density / (path.density + emitter.density) : 1.0f;
+            result.color.rgb += path.weight * passedBy(path.media, float(emitter.t)) * emitter.radiance * share;
+            if (path.depth == 0u) result.color.a = 1.0f;
+            return true;
         }
     }
-    if (missed) {
-        result.color.rgb += current.weight * skyRadiance(current);
-        return;
+    if (missed) result.color.rgb += path.weight * skyRadiance(path);
+    return missed;
+}
+
+// Light of the surface itself and around it; rays that go on from it wait.
+void beginHit(Surface s, Scatter c, Sampler random, inout Sample result) {
+    vec3 light = s.unlit ? s.baseColor : s.emission;
+    if (!kHasOcclusion && !s.unlit) light += c.diffuse * picture.ambient.rgb;
+    result.color.rgb += path.weight * s.opacity * light;
+    pushChildren(path, s, c, random);
+    bool scatters = largest(c.diffuse) > 0.0f || c.rough;
+    job = s.unlit || !scatters ? jobCount() : 0u;
+}
+
+// Whether the flight was one of a path and has met a surface, or one to a light behind which there may be others to ask.
+void land(Hit hit, inout Sample result, inout bool fresh, inout bool flying) {
+    bool missed = hit.triangle == kNoTriangle;
+    if (flight.shadow) {
+        if (missed) result.color.rgb += arrivedLight();
+        else flying = goesOn(hit);
+    } else if (endsInLight(hit, result)) {
+        job = jobCount();
+    } else {
+        lit = hit;
+        job = 0u;
+        fresh = true;
+        path.width += float(hit.t) * pixelSpread();
+        path.gone += float(hit.t);
     }
-    if (kCountWork && hit.triangle == current.from) work.selfHits += 1u;
-    current.width += float(hit.t) * pixelSpread();
-    current.gone += float(hit.t);
-    Surface s = surfaceAt(ray, hit, current.width);
-    if (current.depth == 0u) recordPrimary(result, ray, hit, s);
-    current.weight *= passedBy(current.media, float(hit.t));
-    Scatter c = scatterAt(s, current.direction, current.media);
-    result.color.rgb += current.weight * s.opacity * localLight(s, c, current.media, random, current.depth, work);
-    pushChildren(current, s, c, random);
+}
+
+// Takes a hit and finds the sample's next ray; false if it has none.
+bool follow(Hit hit, Sampler random, inout Sample result) {
+    bool fresh = false, flying = false;
+    land(hit, result, fresh, flying);
+    if (!flying && (fresh || job < jobCount())) {
+        Ray ray = Ray(path.origin, path.direction, 0.0f, kUnlimited);
+        Surface s = surfaceAt(ray, lit, path.width);
+        if (fresh) path.weight *= passedBy(path.media, float(lit.t));
+        Scatter c = scatterAt(s, path.direction, path.media);
+        if (fresh) {
+            if (path.depth == 0u) recordPrimary(result, ray, lit, s);
+            beginHit(s, c, random, result);
+        }
+        if (job < jobCount()) flying = nextShadow(s, c, random);
+    }
+    if (!flying && pendingCount > 0u) {
+        fly(pending[--pendingCount]);
+        flying = true;
+    }
+    return flying;
 }
 
 // Sums over the samples of a pixel, and the sample that is being rendered.
@@ -124,8 +160,8 @@ void beginSample(inout PixelWork p) {
     p.random = samplerOf(p.pixel, p.index);
     p.one = Sample(vec4(0.0f), vec4(0.0f), kNoTriangle, vec3(0.0f), vec3(0.0f), vec2(0.0f));
     Ray primary = pixelRay(p.pixel, p.random);
-    pending[0] = Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia);
-    pendingCount = 1u;
+    fly(Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia));
+    pendingCount = 0u;
 }
 
 void storeFirstHit(ivec2 texel, Sample one) {
@@ -191,20 +227,20 @@ void main() {
     PixelWork p = resumePixel(pixel);
     beginSample(p);
     bool over = false;
-    for (;;) {
-        Pending current = pending[--pendingCount];
-        follow(current, p.random, p.one, p.work);
-        if (pendingCount > 0u) continue;
-        endSample(p);
-        if (p.index == samplesBehind()) {
-            storePixel(p);
-            if (!nextPixel(pixel)) {
-                over = true;
-                break;
+    while (!over) {
+        Hit hit = trace(flight.ray, flight.anyHit, p.work);
+        if (kCountWork && hit.triangle == flight.from && flight.from != kNoTriangle) p.work.selfHits += 1u;
+        if (!follow(hit, p.random, p.one)) {
+            endSample(p);
+            bool more = true;
+            if (p.index == samplesBehind()) {
+                storePixel(p);
+                more = nextPixel(pixel);
+                if (more) p = resumePixel(pixel);
             }
-            p = resumePixel(pixel);
+            if (more) beginSample(p);
+            else over = true;
         }
-        beginSample(p);
     }
     if (kSoftware && (walkCutShort || !over)) imageStore(idImage, ivec2(p.pixel), uvec4(kWalkCutShort));
 }

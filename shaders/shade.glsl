@@ -56,7 +56,7 @@ float largest(vec3 v) {
     return max(v.x, max(v.y, v.z));
 }
 
-// Of light along a shadow ray.
+// Of light that goes through a surface.
 struct Passed {
     vec3 all;
     vec3 straight; // without what glass bends: rays that are reflected to the light find only this on the same way
@@ -72,39 +72,6 @@ Passed shadowTint(Surface s, real3 direction, uvec2 media) {
                      : vec3(0.0f);
     vec3 gap = vec3(1.0f - s.opacity);
     return Passed(gap + s.opacity * glass, s.thin ? gap + s.opacity * glass : gap);
-}
-
-// The part of light that comes along a shadow ray; what is clear tints it, without bending it.
-Passed lightAlong(Ray ray, uvec2 media, uint from, inout WorkCounters work) {
-    if (!kHasTransmission && !kHasOpacity) {
-        Hit blocker = trace(ray, true, work);
-        if (kCountWork && blocker.triangle == from) work.selfHits += 1u;
-        vec3 whole = vec3(blocker.triangle == kNoTriangle ? 1.0f : 0.0f);
-        return Passed(whole, whole);
-    }
-    Passed left = Passed(vec3(1.0f), vec3(1.0f));
-    float speed = float(length(ray.direction));
-    real3 target = ray.origin + ray.direction; // where tMax is 1
-    for (uint i = 0u; i < 64u; ++i) {
-        Hit hit = trace(ray, false, work);
-        if (kCountWork && i == 0u && hit.triangle == from) work.selfHits += 1u;
-        bool through = hit.triangle == kNoTriangle;
-        if (through && ray.tMax > 1e20f) return left;
-        vec3 kept = passedBy(media, float(hit.t) * speed);
-        left = Passed(left.all * kept, left.straight * kept);
-        if (through) return left;
-        Surface s = surfaceAt(ray, hit, 0.0f);
-        Passed tint = shadowTint(s, ray.direction, media);
-        left = Passed(left.all * tint.all, left.straight * tint.straight);
-        if (largest(left.all) < kLeastWeight) break;
-        if (s.transmission > 0.0f) media = mediaBehind(s, media);
-        ray.origin = leaveSurface(s, ray.direction);
-        if (ray.tMax <= 1.0f) { // the rest of the way to the light
-            ray.direction = target - ray.origin;
-            speed = float(length(ray.direction));
-        }
-    }
-    return Passed(vec3(0.0f), vec3(0.0f));
 }
 
 // Part of the way to a light that shadow rays go: a light may lie in a surface, such as a ceiling, and still shine.
@@ -154,16 +121,6 @@ Reflected reflectedLight(Surface s, Scatter c, vec3 toLight, float density) {
     return Reflected(diffuse, (1.0f - s.mirror) * reflectedPart(s, dot(c.view, facet), c.eta) * (lobe * share));
 }
 
-vec3 lightFrom(Surface s, Scatter c, Incident incident, uvec2 media, inout WorkCounters work) {
-    vec3 toLight = vec3(normalize(incident.endless ? incident.target : incident.target - s.position));
-    Reflected reflected = reflectedLight(s, c, toLight, incident.density);
-    if (!(largest(incident.radiance * (reflected.diffuse + reflected.glossy)) > 0.0f)) return vec3(0.0f);
-    real3 origin = leaveSurface(s, real3(toLight));
-    Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, kBeforeLight);
-    Passed passed = lightAlong(ray, media, s.triangle, work);
-    return incident.radiance * (reflected.diffuse * passed.all + reflected.glossy * (incident.density > 0.0f ? passed.straight : passed.all));
-}
-
 // From the environment: half of the directions by where it is bright, half by how a diffuse surface sees it (Veach & Guibas 1995).
 Incident fromEnvironment(Scatter c, Sampler random, uint depth) {
     vec2 u = pairOf(random, kPairEnvironment, depth);
@@ -181,32 +138,6 @@ Incident fromEnvironment(Scatter c, Sampler random, uint depth) {
     if (!(both > 0.0f)) return kDark;
     // Reflected rays know the first density only.
     return Incident(real3(direction), true, environmentRadiance(direction) / both, max(density, 1e-20f));
-}
-
-float ambientLeft(Surface s, Scatter c, Sampler random, uint depth, inout WorkCounters work) {
-    if (!kHasOcclusion) return 1.0f;
-    real3 direction = real3(frameAbout(c.normal) * onCosineHemisphere(pairOf(random, kPairOcclusion, depth)));
-    if (dot(direction, s.geometricNormal) <= 0.0f) return 0.0f;
-    Ray ray = Ray(leaveSurface(s, direction), direction, 0.0f, real(picture.ambient.w));
-    return trace(ray, true, work).triangle == kNoTriangle ? 1.0f : 0.0f;
-}
-
-// All light that the surface sends back of itself, and of what comes straight from lights.
-vec3 localLight(Surface s, Scatter c, uvec2 media, Sampler random, uint depth, inout WorkCounters work) {
-    if (s.unlit) return s.baseColor;
-    vec3 light = s.emission;
-    bool scatters = largest(c.diffuse) > 0.0f;
-    if (!scatters && !c.rough) return light;
-    if (scatters && largest(picture.ambient.rgb) > 0.0f)
-        light += c.diffuse * picture.ambient.rgb * ambientLeft(s, c, random, depth, work);
-    uint count = kLightCount == 1u ? 1u : grid.counts.w;
-    if (kHasLights)
-        for (uint i = 0u; i < count; ++i) {
-            vec2 u = kHasEmitters ? pairOf(random, kPairLights + i, depth) : vec2(0.5f);
-            light += lightFrom(s, c, incidentFrom(lights[i], s.position, u), media, work);
-        }
-    if (kHasEnvironment) light += lightFrom(s, c, fromEnvironment(c, random, depth), media, work);
-    return light;
 }
 
 // A ray that waits to be traced, and how much its light counts in the pixel.
@@ -304,4 +235,119 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
         push(from, s, mirrored(from.direction, s, facet.normal), facetWeight, facet.density, 0.0f, from.media);
     }
     if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, 0.0f, from.media);
+}
+
+// Light on its way to a hit, along a shadow ray; what is clear tints it, without bending it.
+struct Arriving {
+    vec3 light;    // of the pixel
+    vec3 straight; // more of it, if nothing bends it
+    float left;    // at most, of what set out
+    uint surfaces; // that it has come through
+    uvec2 media;
+};
+const bool kTints = kHasTransmission || kHasOpacity;
+const uint kMostTints = 64u;
+
+// The ray to trace next: one that looks for surfaces, or one to a light.
+struct Flight {
+    Ray ray;
+    bool shadow;
+    bool anyHit;
+    uint from; // triangle that it leaves; kNoTriangle at the eye
+};
+Flight flight;
+Pending path;      // the ray that looks for surfaces, or the last that did
+Hit lit;           // what it met, while light is asked for there
+uint job;          // the next to ask for
+Arriving arriving; // along the shadow ray
+
+void fly(Pending ray) {
+    path = ray;
+    flight = Flight(Ray(ray.origin, ray.direction, 0.0f, kUnlimited), false, false, ray.from);
+}
+
+// A hit's jobs, a shadow ray each: ambient light if it may be occluded, the lights, the environment.
+uint lightJobs() {
+    return kLightCount <= 1u ? kLightCount : grid.counts.w;
+}
+uint jobCount() {
+    return uint(kHasOcclusion) + lightJobs() + uint(kHasEnvironment);
+}
+
+void flyToLight(Surface s, Ray ray, vec3 light, vec3 straight) {
+    flight = Flight(ray, true, !kTints, s.triangle);
+    arriving = Arriving(light, straight, 1.0f, 0u, path.media);
+}
+
+// Whether there is light to ask for, with a ray that then is the next.
+bool askFor(Surface s, Scatter c, vec3 weight, Incident incident) {
+    vec3 toLight = vec3(normalize(incident.endless ? incident.target : incident.target - s.position));
+    Reflected reflected = reflectedLight(s, c, toLight, incident.density);
+    vec3 light = weight * incident.radiance;
+    if (!(largest(light * (reflected.diffuse + reflected.glossy)) > 0.0f)) return false;
+    real3 origin = leaveSurface(s, real3(toLight));
+    Ray ray = incident.endless ? Ray(origin, incident.target, 0.0f, kUnlimited) : Ray(origin, incident.target - origin, 0.0f, kBeforeLight);
+    bool straight = kTints && incident.density > 0.0f;
+    flyToLight(s, ray, light * (straight ? reflected.diffuse : reflected.diffuse + reflected.glossy),
+               straight ? light * reflected.glossy : vec3(0.0f));
+    return true;
+}
+
+bool askForAmbient(Surface s, Scatter c, vec3 weight, Sampler random) {
+    vec3 light = weight * c.diffuse * picture.ambient.rgb;
+    if (!(largest(light) > 0.0f)) return false;
+    real3 direction = real3(frameAbout(c.normal) * onCosineHemisphere(pairOf(random, kPairOcclusion, path.depth)));
+    if (dot(direction, s.geometricNormal) <= 0.0f) return false;
+    flyToLight(s, Ray(leaveSurface(s, direction), direction, 0.0f, real(picture.ambient.w)), light, vec3(0.0f));
+    flight.anyHit = true;
+    return true;
+}
+
+bool askForLight(uint i, Surface s, Scatter c, vec3 weight, Sampler random) {
+    vec2 u = kHasEmitters ? pairOf(random, kPairLights + i, path.depth) : vec2(0.5f);
+    return askFor(s, c, weight, incidentFrom(lights[i], s.position, u));
+}
+
+// The next of the hit's jobs for which a ray is needed; false if none is left.
+bool nextShadow(Surface s, Scatter c, Sampler random) {
+    vec3 weight = path.weight * s.opacity;
+    if (kHasOcclusion && job == 0u) {
+        ++job;
+        if (askForAmbient(s, c, weight, random)) return true;
+    }
+    uint firstLight = uint(kHasOcclusion), behindLights = firstLight + lightJobs();
+    if (kHasLights)
+        while (job < behindLights)
+            if (askForLight(job++ - firstLight, s, c, weight, random)) return true;
+    if (kHasEnvironment && job == behindLights) {
+        ++job;
+        return askFor(s, c, weight, fromEnvironment(c, random, path.depth));
+    }
+    return false;
+}
+
+// Whether light that has met a surface goes on behind it, with the next flight.
+bool goesOn(Hit hit) {
+    if (!kTints || flight.anyHit || ++arriving.surfaces >= kMostTints) return false;
+    Ray ray = flight.ray;
+    Surface s = surfaceAt(ray, hit, 0.0f);
+    vec3 kept = passedBy(arriving.media, float(hit.t) * float(length(ray.direction)));
+    Passed tint = shadowTint(s, ray.direction, arriving.media);
+    arriving.light *= kept * tint.all;
+    arriving.straight *= kept * tint.straight;
+    arriving.left *= largest(kept * tint.all);
+    if (arriving.left < kLeastWeight) return false;
+    if (s.transmission > 0.0f) arriving.media = mediaBehind(s, arriving.media);
+    real3 target = ray.origin + ray.direction; // where tMax is 1
+    flight.ray.origin = leaveSurface(s, ray.direction);
+    flight.from = kNoTriangle;
+    if (ray.tMax <= 1.0f) flight.ray.direction = target - flight.ray.origin; // the rest of the way to the light
+    return true;
+}
+
+// Of the shadow ray that met nothing.
+vec3 arrivedLight() {
+    vec3 light = arriving.light + arriving.straight;
+    bool endless = flight.ray.tMax > 1e20f;
+    return endless || flight.anyHit ? light : light * passedBy(arriving.media, float(flight.ray.tMax) * float(length(flight.ray.direction)));
 }
