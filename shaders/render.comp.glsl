@@ -23,14 +23,17 @@
 
 layout(local_size_x = RT_GROUP_X, local_size_y = RT_GROUP_Y) in;
 
-// What one sample of a pixel gives.
-struct Sample {
+// Sums over the samples of a pixel, and the sample that is being rendered.
+struct PixelWork {
+    uvec2 pixel;
+    uint index; // of the sample
+    Sampler random;
+    vec4 sampleColor;
     vec4 color;
-    vec4 surface; // N.xyz, Z
-    uint id;
+    vec2 moments;
     vec3 albedo;
-    vec3 position; // world
-    vec2 texcoord;
+    vec4 texcoord; // of the first sample; steps and tests
+    WorkCounters work;
 };
 
 // Radiance at the end of a ray that meets no triangle.
@@ -41,51 +44,59 @@ vec3 skyRadiance(Pending ray) {
     return environmentRadiance(direction) * share;
 }
 
-void recordPrimary(inout Sample result, Ray ray, Hit hit, Surface s) {
+// What a pixel's first sample sees.
+void storeFirstHit(uvec2 pixel, vec4 normalAndDepth, uint id, vec3 position) {
+    imageStore(surfaceImage, ivec2(pixel), normalAndDepth);
+    imageStore(idImage, ivec2(pixel), uvec4(id));
+#if RT_HAS_AOVS
+    imageStore(positionImage, ivec2(pixel), vec4(position, 0.0f));
+#endif
+}
+
+void recordPrimary(inout PixelWork p, Ray ray, Hit hit, Surface s) {
+    p.sampleColor.a = 1.0f;
+    if (kHasAovs) p.albedo += s.baseColor;
+    if (p.index > 0u) return;
     real depthWorld = hit.t * (kView == kPanoramaView ? real(1.0f) : dot(ray.direction, real3(camera.forward.xyz))) / grid.worldOffset.w;
-    result.surface = vec4(vec3(s.normal), float(depthWorld));
-    result.id = hit.triangle;
-    result.color.a = 1.0f;
-    if (!kHasAovs) return;
-    result.albedo = s.baseColor;
-    result.position = vec3(s.position / grid.worldOffset.w + real3(grid.worldOffset.xyz));
-    result.texcoord = texcoordAt(loadTriangleVertices(hit.triangle), vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+    vec3 position = vec3(s.position / grid.worldOffset.w + real3(grid.worldOffset.xyz));
+    storeFirstHit(p.pixel, vec4(vec3(s.normal), float(depthWorld)), hit.triangle, position);
+    if (kHasAovs) p.texcoord.xy = texcoordAt(loadTriangleVertices(hit.triangle), vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
 }
 
 // Adds what a ray of a path brings along without a surface; false if it has met one, which is then lit.
-bool endsInLight(Hit hit, inout Sample result) {
+bool endsInLight(Hit hit, inout PixelWork p) {
     bool missed = hit.triangle == kNoTriangle;
     if (kHasEmitters) {
         // A light in the plane of a surface is in front of it.
         Emitter emitter = emitterOnWay(flight.ray, hit.t * (1.0f + 1e-5f), path.gone);
         if (emitter.radiance != vec3(0.0f)) {
             float share = path.density > 0.0f ? path.density / (path.density + emitter.density) : 1.0f;
-            result.color.rgb += path.weight * passedBy(path.media, float(emitter.t)) * emitter.radiance * share;
-            if (path.depth == 0u) result.color.a = 1.0f;
+            p.sampleColor.rgb += path.weight * passedBy(path.media, float(emitter.t)) * emitter.radiance * share;
+            if (path.depth == 0u) p.sampleColor.a = 1.0f;
             return true;
         }
     }
-    if (missed) result.color.rgb += path.weight * skyRadiance(path);
+    if (missed) p.sampleColor.rgb += path.weight * skyRadiance(path);
     return missed;
 }
 
 // Light of the surface itself and around it; rays that go on from it wait.
-void beginHit(Surface s, Scatter c, Sampler random, inout Sample result) {
+void beginHit(Surface s, Scatter c, inout PixelWork p) {
     vec3 light = s.unlit ? s.baseColor : s.emission;
     if (!kHasOcclusion && !s.unlit) light += c.diffuse * picture.ambient.rgb;
-    result.color.rgb += path.weight * s.opacity * light;
-    pushChildren(path, s, c, random);
+    p.sampleColor.rgb += path.weight * s.opacity * light;
+    pushChildren(path, s, c, p.random);
     bool scatters = largest(c.diffuse) > 0.0f || c.rough;
     job = s.unlit || !scatters ? jobCount() : 0u;
 }
 
 // Whether the flight was one of a path and has met a surface, or one to a light behind which there may be others to ask.
-void land(Hit hit, inout Sample result, inout bool fresh, inout bool flying) {
+void land(Hit hit, inout PixelWork p, inout bool fresh, inout bool flying) {
     bool missed = hit.triangle == kNoTriangle;
     if (flight.shadow) {
-        if (missed) result.color.rgb += arrivedLight();
+        if (missed) p.sampleColor.rgb += arrivedLight();
         else flying = goesOn(hit);
-    } else if (endsInLight(hit, result)) {
+    } else if (endsInLight(hit, p)) {
         job = jobCount();
     } else {
         lit = hit;
@@ -97,19 +108,19 @@ void land(Hit hit, inout Sample result, inout bool fresh, inout bool flying) {
 }
 
 // Takes a hit and finds the sample's next ray; false if it has none.
-bool follow(Hit hit, Sampler random, inout Sample result) {
+bool follow(Hit hit, inout PixelWork p) {
     bool fresh = false, flying = false;
-    land(hit, result, fresh, flying);
+    land(hit, p, fresh, flying);
     if (!flying && (fresh || job < jobCount())) {
         Ray ray = Ray(path.origin, path.direction, 0.0f, kUnlimited);
         Surface s = surfaceAt(ray, lit, path.width);
         if (fresh) path.weight *= passedBy(path.media, float(lit.t));
         Scatter c = scatterAt(s, path.direction, path.media);
         if (fresh) {
-            if (path.depth == 0u) recordPrimary(result, ray, lit, s);
-            beginHit(s, c, random, result);
+            if (path.depth == 0u) recordPrimary(p, ray, lit, s);
+            beginHit(s, c, p);
         }
-        if (job < jobCount()) flying = nextShadow(s, c, random);
+        if (job < jobCount()) flying = nextShadow(s, c, p.random);
     }
     if (!flying && pendingCount > 0u) {
         fly(pending[--pendingCount]);
@@ -117,19 +128,6 @@ bool follow(Hit hit, Sampler random, inout Sample result) {
     }
     return flying;
 }
-
-// Sums over the samples of a pixel, and the sample that is being rendered.
-struct PixelWork {
-    uvec2 pixel;
-    uint index; // of the sample
-    Sampler random;
-    Sample one;
-    vec4 color;
-    vec2 moments;
-    vec3 albedo;
-    vec4 texcoord;
-    WorkCounters work;
-};
 
 uint samplesBehind() { // the first that this dispatch does not take
     return picture.samples.x + (kMultisample ? picture.samples.y : 1u);
@@ -158,29 +156,17 @@ PixelWork resumePixel(uvec2 pixel) {
 
 void beginSample(inout PixelWork p) {
     p.random = samplerOf(p.pixel, p.index);
-    p.one = Sample(vec4(0.0f), vec4(0.0f), kNoTriangle, vec3(0.0f), vec3(0.0f), vec2(0.0f));
+    p.sampleColor = vec4(0.0f);
+    if (p.index == 0u) storeFirstHit(p.pixel, vec4(0.0f), kNoTriangle, vec3(0.0f));
     Ray primary = pixelRay(p.pixel, p.random);
     fly(Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia));
     pendingCount = 0u;
 }
 
-void storeFirstHit(ivec2 texel, Sample one) {
-    imageStore(surfaceImage, texel, one.surface);
-    imageStore(idImage, texel, uvec4(one.id));
-#if RT_HAS_AOVS
-    imageStore(positionImage, texel, vec4(one.position, 0.0f));
-#endif
-}
-
 void endSample(inout PixelWork p) {
-    p.color += p.one.color;
-    float luminance = dot(p.one.color.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
+    p.color += p.sampleColor;
+    float luminance = dot(p.sampleColor.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
     p.moments += vec2(luminance * luminance, luminance);
-    p.albedo += p.one.albedo;
-    if (p.index == 0u) {
-        storeFirstHit(ivec2(p.pixel), p.one);
-        p.texcoord.xy = p.one.texcoord;
-    }
     ++p.index;
 }
 
@@ -230,7 +216,7 @@ void main() {
     while (!over) {
         Hit hit = trace(flight.ray, flight.anyHit, p.work);
         if (kCountWork && hit.triangle == flight.from && flight.from != kNoTriangle) p.work.selfHits += 1u;
-        if (!follow(hit, p.random, p.one)) {
+        if (!follow(hit, p)) {
             endSample(p);
             bool more = true;
             if (p.index == samplesBehind()) {
