@@ -31,8 +31,9 @@ RT_SHARED_BEGIN
 #define RT_BUFFER_RAYS 3
 #define RT_BUFFER_ENVIRONMENT 3 // render: float, see kEnvironmentRows
 #define RT_BUFFER_HITS 4
-#define RT_BUFFER_PIXELS 4   // render, with a queue: uint, how many pixels have been taken
+#define RT_BUFFER_SLOTS 4    // render: uvec4, see SlotLayout in tools/rt-trace/sample_slots.h
 #define RT_BUFFER_COUNTERS 5 // uvec4 per ray, where work is counted
+#define RT_BUFFER_ROUNDS 5   // render: TraceRound times kRoundsInGroup + 1, then two queues of slots
 #define RT_BUFFER_FIRST_PAGED 6
 // Texture units: the texture pages, once with sRGB decoded and once as they are; the environment; then the
 // slabs of the voxel texture.
@@ -79,7 +80,22 @@ struct RenderParams {
     uvec4 size;       // width and height of the whole picture; zw = 0
     uvec4 region;     // first pixel x, y of this dispatch; first pixel behind it x, y
     uvec4 samples;    // first sample of this dispatch, how many, seed, kind of filter kFilter...
+    uvec4 slots;      // x how many samples there is room for; yzw = 0
 };
+
+// Rounds trace one ray of each sample of a batch that has one; all those of a group are dispatched before the
+// host looks whether there are samples left.
+RT_SHARED_CONST uint kRoundsInGroup = 32u;
+struct TraceRound {
+    uvec4 groups; // xyz work groups, for an indirect dispatch; w = 0
+    uvec4 counts; // in the round's queue: x rays of paths from its front, y shadow rays from its end; zw = 0
+};
+// What a dispatch of the renderer does.
+RT_SHARED_CONST uint kStageBegin = 0u;   // a batch: its first round
+RT_SHARED_CONST uint kStageAdvance = 1u; // another round
+RT_SHARED_CONST uint kStageResolve = 2u; // samples are added to their pixels
+#define RT_LOCATION_STAGE 0
+#define RT_LOCATION_ROUND 1 // of its group
 
 RT_SHARED_CONST uint kFilterBox = 0u;
 RT_SHARED_CONST uint kFilterTent = 1u;
@@ -131,7 +147,7 @@ RT_SHARED_END
 
 #ifdef __cplusplus
 static_assert(sizeof(rt::CameraParams) == 64 && sizeof(rt::QueryParams) == 16);
-static_assert(sizeof(rt::RenderParams) == 112 && offsetof(rt::RenderParams, samples) == 96);
+static_assert(sizeof(rt::RenderParams) == 128 && offsetof(rt::RenderParams, samples) == 96);
 static_assert(sizeof(rt::QueryRay) == 32 && sizeof(rt::QueryHit) == 16);
 static_assert(sizeof(rt::QueryHitDouble) == 32 && offsetof(rt::QueryHitDouble, triangle) == 24);
 static_assert(sizeof(rt::TriangleTransform) == 48 && offsetof(rt::TriangleTransform, v) == 16 &&

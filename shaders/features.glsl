@@ -75,9 +75,6 @@
 #ifndef RT_MULTISAMPLE
 #error "RT_MULTISAMPLE is not defined"
 #endif
-#ifndef RT_PIXEL_QUEUE
-#error "RT_PIXEL_QUEUE is not defined"
-#endif
 #ifndef RT_HAS_AOVS
 #error "RT_HAS_AOVS is not defined"
 #endif
@@ -113,7 +110,6 @@ const bool kHasOcclusion = RT_HAS_OCCLUSION != 0;
 const uint kView = uint(RT_VIEW);
 const bool kHasLens = RT_HAS_LENS != 0;
 const bool kMultisample = RT_MULTISAMPLE != 0;
-const bool kPixelQueue = RT_PIXEL_QUEUE != 0; // declares the queue
 const bool kHasAovs = RT_HAS_AOVS != 0;
 const bool kHasMoments = RT_HAS_MOMENTS != 0;
 const uint kMaxDepth = uint(RT_MAX_DEPTH);

@@ -1,6 +1,6 @@
-// The primary rays of pixels' samples and all that follows from them: each invocation traces one ray after the other. As soon as a
-// sample has no ray left it begins the next, so that lanes whose rays end early do not wait for those whose rays go on (Novak,
-// Havran & Dachsbacher 2010); with a queue it then takes the next pixel too.
+// One round of the samples of a batch: each invocation traces one ray of one sample, adds the light that it finds, and leaves the
+// sample's next ray for the next round. The first round begins the samples; when no ray is left, one more dispatch adds them to
+// their pixels, in their order.
 #include "formats/shared_types.shared.h"
 #include "formats/octahedral.shared.h"
 #include "formats/material.shared.h"
@@ -19,22 +19,11 @@
 #include "shaders/environment.glsl"
 #include "shaders/lights.glsl"
 #include "shaders/view.glsl"
+
+layout(local_size_x = RT_GROUP_X, local_size_y = 1) in;
+#include "shaders/lanes.glsl"
+#include "shaders/path.glsl"
 #include "shaders/shade.glsl"
-
-layout(local_size_x = RT_GROUP_X, local_size_y = RT_GROUP_Y) in;
-
-// Sums over the samples of a pixel, and the sample that is being rendered.
-struct PixelWork {
-    uvec2 pixel;
-    uint index; // of the sample
-    Sampler random;
-    vec4 sampleColor;
-    vec4 color;
-    vec2 moments;
-    vec3 albedo;
-    vec4 texcoord; // of the first sample; steps and tests
-    WorkCounters work;
-};
 
 // Radiance at the end of a ray that meets no triangle.
 vec3 skyRadiance(Pending ray) {
@@ -45,58 +34,59 @@ vec3 skyRadiance(Pending ray) {
 }
 
 // What a pixel's first sample sees.
-void storeFirstHit(uvec2 pixel, vec4 normalAndDepth, uint id, vec3 position) {
+void storeFirstHit(uvec2 pixel, vec4 normalAndDepth, uint id, vec3 position, vec2 texcoord) {
     imageStore(surfaceImage, ivec2(pixel), normalAndDepth);
     imageStore(idImage, ivec2(pixel), uvec4(id));
 #if RT_HAS_AOVS
     imageStore(positionImage, ivec2(pixel), vec4(position, 0.0f));
+    imageStore(texcoordImage, ivec2(pixel), vec4(texcoord, 0.0f, 0.0f));
 #endif
 }
 
-void recordPrimary(inout PixelWork p, Ray ray, Hit hit, Surface s) {
-    p.sampleColor.a = 1.0f;
-    if (kHasAovs) p.albedo += s.baseColor;
-    if (p.index > 0u) return;
+void recordPrimary(uvec2 pixel, uint index, Ray ray, Hit hit, Surface s) {
+    sampleColor.a = 1.0f;
+    sampleAlbedo = s.baseColor;
+    if (index > 0u) return;
     real depthWorld = hit.t * (kView == kPanoramaView ? real(1.0f) : dot(ray.direction, real3(camera.forward.xyz))) / grid.worldOffset.w;
     vec3 position = vec3(s.position / grid.worldOffset.w + real3(grid.worldOffset.xyz));
-    storeFirstHit(p.pixel, vec4(vec3(s.normal), float(depthWorld)), hit.triangle, position);
-    if (kHasAovs) p.texcoord.xy = texcoordAt(loadTriangleVertices(hit.triangle), vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+    vec2 texcoord = texcoordAt(loadTriangleVertices(hit.triangle), vec3(1.0f - hit.u - hit.v, hit.u, hit.v));
+    storeFirstHit(pixel, vec4(vec3(s.normal), float(depthWorld)), hit.triangle, position, texcoord);
 }
 
 // Adds what a ray of a path brings along without a surface; false if it has met one, which is then lit.
-bool endsInLight(Hit hit, inout PixelWork p) {
+bool endsInLight(Hit hit) {
     bool missed = hit.triangle == kNoTriangle;
     if (kHasEmitters) {
         // A light in the plane of a surface is in front of it.
         Emitter emitter = emitterOnWay(flight.ray, hit.t * (1.0f + 1e-5f), path.gone);
         if (emitter.radiance != vec3(0.0f)) {
             float share = path.density > 0.0f ? path.density / (path.density + emitter.density) : 1.0f;
-            p.sampleColor.rgb += path.weight * passedBy(path.media, float(emitter.t)) * emitter.radiance * share;
-            if (path.depth == 0u) p.sampleColor.a = 1.0f;
+            sampleColor.rgb += path.weight * passedBy(path.media, float(emitter.t)) * emitter.radiance * share;
+            if (path.depth == 0u) sampleColor.a = 1.0f;
             return true;
         }
     }
-    if (missed) p.sampleColor.rgb += path.weight * skyRadiance(path);
+    if (missed) sampleColor.rgb += path.weight * skyRadiance(path);
     return missed;
 }
 
 // Light of the surface itself and around it; rays that go on from it wait.
-void beginHit(Surface s, Scatter c, inout PixelWork p) {
+void beginHit(Surface s, Scatter c, Sampler random) {
     vec3 light = s.unlit ? s.baseColor : s.emission;
     if (!kHasOcclusion && !s.unlit) light += c.diffuse * picture.ambient.rgb;
-    p.sampleColor.rgb += path.weight * s.opacity * light;
-    pushChildren(path, s, c, p.random);
+    sampleColor.rgb += path.weight * s.opacity * light;
+    pushChildren(path, s, c, random);
     bool scatters = largest(c.diffuse) > 0.0f || c.rough;
     job = s.unlit || !scatters ? jobCount() : 0u;
 }
 
 // Whether the flight was one of a path and has met a surface, or one to a light behind which there may be others to ask.
-void land(Hit hit, inout PixelWork p, inout bool fresh, inout bool flying) {
+void land(Hit hit, inout bool fresh, inout bool flying) {
     bool missed = hit.triangle == kNoTriangle;
     if (flight.shadow) {
-        if (missed) p.sampleColor.rgb += arrivedLight();
+        if (missed) sampleColor.rgb += arrivedLight();
         else flying = goesOn(hit);
-    } else if (endsInLight(hit, p)) {
+    } else if (endsInLight(hit)) {
         job = jobCount();
     } else {
         lit = hit;
@@ -108,125 +98,126 @@ void land(Hit hit, inout PixelWork p, inout bool fresh, inout bool flying) {
 }
 
 // Takes a hit and finds the sample's next ray; false if it has none.
-bool follow(Hit hit, inout PixelWork p) {
+bool follow(Hit hit, uvec2 pixel, uint index, Sampler random) {
     bool fresh = false, flying = false;
-    land(hit, p, fresh, flying);
-    if (!flying && (fresh || job < jobCount())) {
+    land(hit, fresh, flying);
+    if (!flying && (fresh || (kManyJobs && job < jobCount()))) {
         Ray ray = Ray(path.origin, path.direction, 0.0f, kUnlimited);
         Surface s = surfaceAt(ray, lit, path.width);
         if (fresh) path.weight *= passedBy(path.media, float(lit.t));
         Scatter c = scatterAt(s, path.direction, path.media);
         if (fresh) {
-            if (path.depth == 0u) recordPrimary(p, ray, lit, s);
-            beginHit(s, c, p);
+            if (path.depth == 0u) recordPrimary(pixel, index, ray, lit, s);
+            beginHit(s, c, random);
         }
-        if (job < jobCount()) flying = nextShadow(s, c, p.random);
+        if (job < jobCount()) flying = nextShadow(s, c, random);
     }
     if (!flying && pendingCount > 0u) {
-        fly(pending[--pendingCount]);
+        fly(loadPending(--pendingCount));
         flying = true;
     }
     return flying;
 }
 
-uint samplesBehind() { // the first that this dispatch does not take
-    return picture.samples.x + (kMultisample ? picture.samples.y : 1u);
+// The pixels of a batch in blocks of 8x4, so that lanes see the same things; one sample of all of them after the other.
+struct Place {
+    uvec2 pixel;
+    uint index; // of the sample
+};
+
+uint blocksAcross() {
+    return (picture.region.z - picture.region.x + 7u) / 8u;
+}
+uint pixelSlots() { // with those of blocks that are not full
+    return blocksAcross() * ((picture.region.w - picture.region.y + 3u) / 4u) * 32u;
+}
+Place placeOf(uint s) {
+    uint inPicture = s % pixelSlots(), inBlock = inPicture % 32u, block = inPicture / 32u;
+    uvec2 at = uvec2(block % blocksAcross(), block / blocksAcross()) * uvec2(8u, 4u) + uvec2(inBlock % 8u, inBlock / 8u);
+    return Place(picture.region.xy + at, picture.samples.x + s / pixelSlots());
+}
+bool isInRegion(uvec2 pixel) {
+    return all(lessThan(pixel, picture.region.zw));
 }
 
-PixelWork resumePixel(uvec2 pixel) {
-    PixelWork p;
-    ivec2 texel = ivec2(pixel);
-    p.pixel = pixel;
-    p.index = picture.samples.x;
-    bool resumed = p.index > 0u;
-    p.color = resumed ? imageLoad(colorImage, texel) : vec4(0.0f);
-    p.moments = vec2(0.0f);
-    p.albedo = vec3(0.0f);
-    p.texcoord = vec4(0.0f);
-#if RT_HAS_MOMENTS
-    if (resumed) p.moments = imageLoad(momentImage, texel).xy;
-#endif
-#if RT_HAS_AOVS
-    if (resumed) p.albedo = imageLoad(albedoImage, texel).rgb;
-    if (resumed) p.texcoord = imageLoad(texcoordImage, texel);
-#endif
-    p.work = WorkCounters(0u, 0u, 0u, 0u);
-    return p;
-}
-
-void beginSample(inout PixelWork p) {
-    p.random = samplerOf(p.pixel, p.index);
-    p.sampleColor = vec4(0.0f);
-    if (p.index == 0u) storeFirstHit(p.pixel, vec4(0.0f), kNoTriangle, vec3(0.0f));
-    Ray primary = pixelRay(p.pixel, p.random);
+void beginSample(Place place) {
+    Ray primary = pixelRay(place.pixel, samplerOf(place.pixel, place.index));
     fly(Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia));
     pendingCount = 0u;
+    sampleColor = vec4(0.0f);
+    sampleAlbedo = vec3(0.0f);
+    if (place.index == 0u) storeFirstHit(place.pixel, vec4(0.0f), kNoTriangle, vec3(0.0f), vec2(0.0f));
 }
 
-void endSample(inout PixelWork p) {
-    p.color += p.sampleColor;
-    float luminance = dot(p.sampleColor.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
-    p.moments += vec2(luminance * luminance, luminance);
-    ++p.index;
+const float kCutShort = -1.0f; // as a sample's A
+
+void advance(bool first) {
+    Place place = placeOf(slot);
+    if (first && !isInRegion(place.pixel)) return;
+    work = WorkCounters(0u, 0u, 0u, 0u);
+    if (first) beginSample(place);
+    else loadFlight();
+    Hit hit = trace(flight.ray, flight.anyHit, work);
+    if (!first) loadState();
+    if (kCountWork && hit.triangle == flight.from && flight.from != kNoTriangle) work.selfHits += 1u;
+    bool goesOn = follow(hit, place.pixel, place.index, samplerOf(place.pixel, place.index));
+    if (kSoftware && walkCutShort) {
+        sampleColor.a = kCutShort;
+        goesOn = false;
+    }
+    if (!goesOn) {
+        storeSample();
+        return;
+    }
+    storeFlight();
+    storeState();
+    enqueue();
 }
 
-void storePixel(PixelWork p) {
-    ivec2 texel = ivec2(p.pixel);
-    imageStore(colorImage, texel, p.color);
+// Adds a pixel's samples to what it has.
+void resolve(uvec2 pixel) {
+    ivec2 texel = ivec2(pixel);
+    bool resumed = picture.samples.x > 0u, cut = false;
+    vec4 color = resumed ? imageLoad(colorImage, texel) : vec4(0.0f);
+    vec2 moments = vec2(0.0f);
+    vec3 albedo = vec3(0.0f);
+    uvec4 counted = uvec4(0u);
 #if RT_HAS_MOMENTS
-    imageStore(momentImage, texel, vec4(p.moments, 0.0f, 0.0f));
+    if (resumed) moments = imageLoad(momentImage, texel).xy;
 #endif
 #if RT_HAS_AOVS
-    imageStore(albedoImage, texel, vec4(p.albedo, 0.0f));
-    imageStore(texcoordImage, texel, p.texcoord + vec4(0.0f, 0.0f, float(p.work.steps), float(p.work.tests)));
+    if (resumed) albedo = imageLoad(albedoImage, texel).rgb;
+#endif
+    for (uint i = 0u; i < picture.samples.y; ++i, slot += pixelSlots()) {
+        loadSample();
+        cut = cut || sampleColor.a == kCutShort;
+        color += sampleColor;
+        float luminance = dot(sampleColor.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
+        moments += vec2(luminance * luminance, luminance);
+        if (kHasAovs) albedo += sampleAlbedo;
+        if (kCountWork) counted += loadWords(kPlaneWork);
+    }
+    imageStore(colorImage, texel, color);
+#if RT_HAS_MOMENTS
+    imageStore(momentImage, texel, vec4(moments, 0.0f, 0.0f));
+#endif
+#if RT_HAS_AOVS
+    imageStore(albedoImage, texel, vec4(albedo, 0.0f));
+    imageStore(texcoordImage, texel, imageLoad(texcoordImage, texel) + vec4(0.0f, 0.0f, vec2(counted.yz)));
 #endif
 #if RT_COUNT_WORK
-    imageStore(counterImage, texel, uvec4(p.work.rays, p.work.steps, p.work.tests, p.work.selfHits));
+    imageStore(counterImage, texel, counted + (resumed ? imageLoad(counterImage, texel) : uvec4(0u)));
 #endif
+    if (kSoftware && cut) imageStore(idImage, texel, uvec4(kWalkCutShort));
 }
-
-#if RT_PIXEL_QUEUE
-// The queue's pixels in blocks of 8x4, so that lanes begin side by side.
-bool nextPixel(out uvec2 pixel) {
-    uvec2 size = picture.region.zw - picture.region.xy;
-    uvec2 blocks = (size + uvec2(7u, 3u)) / uvec2(8u, 4u);
-    for (;;) { // blocks at the border are not full
-        uint i = atomicAdd(queuedPixels, 1u);
-        uint block = i / 32u, inBlock = i % 32u;
-        if (block >= blocks.x * blocks.y) return false;
-        uvec2 at = uvec2(block % blocks.x, block / blocks.x) * uvec2(8u, 4u) + uvec2(inBlock % 8u, inBlock / 8u);
-        pixel = picture.region.xy + at;
-        if (all(lessThan(at, size))) return true;
-    }
-}
-#else
-uint takenPixels = 0u;
-bool nextPixel(out uvec2 pixel) {
-    pixel = gl_GlobalInvocationID.xy + picture.region.xy;
-    return takenPixels++ == 0u && all(lessThan(pixel, picture.region.zw));
-}
-#endif
 
 void main() {
-    uvec2 pixel;
-    if (!nextPixel(pixel)) return;
-    PixelWork p = resumePixel(pixel);
-    beginSample(p);
-    bool over = false;
-    while (!over) {
-        Hit hit = trace(flight.ray, flight.anyHit, p.work);
-        if (kCountWork && hit.triangle == flight.from && flight.from != kNoTriangle) p.work.selfHits += 1u;
-        if (!follow(hit, p)) {
-            endSample(p);
-            bool more = true;
-            if (p.index == samplesBehind()) {
-                storePixel(p);
-                more = nextPixel(pixel);
-                if (more) p = resumePixel(pixel);
-            }
-            if (more) beginSample(p);
-            else over = true;
-        }
+    slot = gl_GlobalInvocationID.x;
+    if (stage == kStageResolve) {
+        if (slot < pixelSlots() && isInRegion(placeOf(slot).pixel)) resolve(placeOf(slot).pixel);
+    } else if (stage == kStageBegin) {
+        if (slot < pixelSlots() * picture.samples.y) advance(true);
+    } else if (takeFromQueue()) {
+        advance(false);
     }
-    if (kSoftware && (walkCutShort || !over)) imageStore(idImage, ivec2(p.pixel), uvec4(kWalkCutShort));
 }

@@ -2,10 +2,6 @@
 const float kLeastWeight = 1e-3f;    // rays whose light counts less than this in the pixel are not traced
 const float kRouletteWeight = 0.05f; // of several samples, those that count less than this are traced now and then, and count more
 
-// Materials that a ray is in, the last entered first: four numbers of 16 bits. Where solids overlap or touch, the last
-// one entered is the one that counts.
-const uvec2 kNoMedia = uvec2(0xFFFFFFFFu);
-
 uint innermost(uvec2 media) {
     return media.x & 0xFFFFu;
 }
@@ -140,22 +136,8 @@ Incident fromEnvironment(Scatter c, Sampler random, uint depth) {
     return Incident(real3(direction), true, environmentRadiance(direction) / both, max(density, 1e-20f));
 }
 
-// A ray that waits to be traced, and how much its light counts in the pixel.
-struct Pending {
-    real3 origin;
-    real3 direction; // unit length
-    vec3 weight;
-    float width;   // of what the pixel covers, at the origin
-    float density; // with which the direction was chosen, where lights are chosen too; else 0
-    float gone;    // way since that choice: through what is clear it goes on
-    uint depth;
-    uint from; // triangle that it leaves; kNoTriangle at the eye
-    uvec2 media;
-};
-
 // Each hit takes one ray off the stack and puts at most so many on it, each one deeper.
 const uint kMostChildren = uint(kHasReflection || kHasTransmission) + uint(kHasReflection && kHasRoughness) + uint(kHasTransmission) + uint(kHasOpacity);
-const uint kStackSize = kMostChildren > 1u ? (kMostChildren - 1u) * kMaxDepth + 1u : 1u;
 
 // Whether a ray of that weight is traced; it may then count for others that are not.
 bool isTraced(inout vec3 weight, float u) {
@@ -172,12 +154,8 @@ real3 mirrored(real3 direction, Surface s, real3 normal) {
     return dot(r, s.geometricNormal) > 0.0f ? r : reflect(direction, s.geometricNormal);
 }
 
-// Rays of the sample that is being rendered. Not an argument: compilers would copy them in and out.
-Pending pending[kStackSize];
-uint pendingCount;
-
 void push(Pending from, Surface s, real3 direction, vec3 weight, float density, float gone, uvec2 media) {
-    pending[pendingCount++] = Pending(leaveSurface(s, direction), direction, weight, from.width, density, gone, from.depth + 1u, s.triangle, media);
+    storePending(pendingCount++, Pending(leaveSurface(s, direction), direction, weight, from.width, density, gone, from.depth + 1u, s.triangle, media));
 }
 
 // What a ray meets: the surface itself, or one of its facets.
@@ -237,29 +215,7 @@ void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
     if (isTraced(mirrorWeight, chance.x)) push(from, s, mirrored(from.direction, s, s.normal), mirrorWeight, 0.0f, 0.0f, from.media);
 }
 
-// Light on its way to a hit, along a shadow ray; what is clear tints it, without bending it.
-struct Arriving {
-    vec3 light;    // of the pixel
-    vec3 straight; // more of it, if nothing bends it
-    float left;    // at most, of what set out
-    uint surfaces; // that it has come through
-    uvec2 media;
-};
-const bool kTints = kHasTransmission || kHasOpacity;
 const uint kMostTints = 64u;
-
-// The ray to trace next: one that looks for surfaces, or one to a light.
-struct Flight {
-    Ray ray;
-    bool shadow;
-    bool anyHit;
-    uint from; // triangle that it leaves; kNoTriangle at the eye
-};
-Flight flight;
-Pending path;      // the ray that looks for surfaces, or the last that did
-Hit lit;           // what it met, while light is asked for there
-uint job;          // the next to ask for
-Arriving arriving; // along the shadow ray
 
 void fly(Pending ray) {
     path = ray;

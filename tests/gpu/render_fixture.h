@@ -19,7 +19,7 @@ inline BoundsD boundsOfAtlas(const Atlas& atlas) {
 }
 
 /// One sample of every pixel into the film, which is bound.
-inline FilmPixels renderOneSample(const GlProgram& program, const GpuView& view, const Film& film,
+inline FilmPixels renderOneSample(const GlProgram& program, GpuView& view, const Film& film,
                                   const GlContext& context, glm::uvec2 size) {
     TileSamples tiles({0, 0, size}, 1);
     renderTiles(program, view, film, context, tiles, {});
@@ -47,7 +47,8 @@ inline Picture renderPicture(const GlContext& context, const Atlas& atlas, const
     RenderParams params = wholePicture(settings.size);
     params.background = glm::vec4(settings.background, 0.0f);
     params.ambient = glm::vec4(glm::vec3(settings.ambient), 0.0f);
-    const GpuView view(cameraInAtlas(settings.pose, aspect, atlas.grid), params, lights);
+    GpuView view(cameraInAtlas(settings.pose, aspect, atlas.grid), params, lights, features,
+                 context.limits());
     const Film film(settings.size, features, context.limits());
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();

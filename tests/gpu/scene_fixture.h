@@ -86,7 +86,6 @@ struct SceneSettings {
     bool lens = false;
     bool multisample = false;
     bool aovs = false;
-    std::optional<bool> pixelQueue = {}; ///< absent: as rt-trace chooses
 };
 
 struct Shot {
@@ -149,15 +148,14 @@ public:
         params.environment = glm::vec4(glm::vec3(1.0f), shot.environmentTurn);
         params.filterSize.x = shot.filterRadius;
         params.samples = {0, 0, shot.seed, shot.filter};
-        const GpuView view(cameraInAtlas(shot.pose, aspect, atlas_.grid), params, lights_,
-                           plan_.features.pixelQueue != 0);
+        GpuView view(cameraInAtlas(shot.pose, aspect, atlas_.grid), params, lights_, plan_.features,
+                     context_.limits());
         const Film film(shot.size, plan_.features, context_.limits());
         bind(view, film);
         glUseProgram(program_.name());
         for (unsigned first = 0; first < shot.samples;) {
             const unsigned count = std::min(shot.samplesPerDispatch, shot.samples - first);
-            glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-            view.dispatch({0, 0, shot.size}, first, count);
+            view.render({0, 0, shot.size}, first, count);
             first += count;
         }
         const std::size_t pixels = std::size_t(shot.size.x) * shot.size.y;
@@ -210,7 +208,6 @@ private:
         needs.moments = true;
         SceneFeatures features = renderFeatures(atlas, needs);
         features.software = context.device().software;
-        features.pixelQueue = settings.pixelQueue.value_or(wantsPixelQueue(features) != 0);
         return features;
     }
     void bind(const GpuView& view, const Film& film) const {

@@ -278,19 +278,6 @@ TEST_F(CameraRays, OneSeedGivesOnePictureHoweverItsSamplesAreCut) {
     EXPECT_LT(std::abs(difference) / double(first.colors.size()), 0.01);
 }
 
-// Few pixels and short ways, since software ends long loops: rt-trace itself has no queue there.
-TEST_F(CameraRays, PixelsFromAQueueAreTheSame) {
-    SceneSettings settings = motleySettings();
-    settings.maxDepth = 2;
-    Shot shot = motleyShot();
-    shot.size = {19, 9};
-    shot.samplesPerDispatch = 1;
-    settings.pixelQueue = false;
-    const FilmPixels plain = SceneOnGpu(*context, makeMotley(), settings).render(shot);
-    settings.pixelQueue = true; // lanes then take pixels in any order
-    EXPECT_TRUE(sameBits(plain, SceneOnGpu(*context, makeMotley(), settings).render(shot)));
-}
-
 // The pairs of numbers by themselves.
 constexpr unsigned kMostSamples = 1024;
 

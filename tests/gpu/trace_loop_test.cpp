@@ -49,7 +49,8 @@ public:
         params.background = glm::vec4(0.25f, 0.5f, 0.75f, 0.0f);
         params.samples = {0, kSamples, 7, kFilterTent};
         params.filterSize.x = 1.0f;
-        const GpuView view(cameraInAtlas(pose_, aspect(), atlas_.grid), params, lights_);
+        GpuView view(cameraInAtlas(pose_, aspect(), atlas_.grid), params, lights_, plan_.features,
+                     context_.limits());
         gpuAtlas_.bind();
         view.bind();
         film.bind();

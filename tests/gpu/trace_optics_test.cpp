@@ -64,7 +64,8 @@ public:
         RenderParams params = wholePicture(size);
         params.background = glm::vec4(kBackground, 0.0f);
         params.ambient = glm::vec4(glm::vec3(ambient_), 0.0f);
-        const GpuView view(cameraInAtlas(pose, aspect, atlas_.grid), params, lights_);
+        GpuView view(cameraInAtlas(pose, aspect, atlas_.grid), params, lights_, plan_.features,
+                     context_.limits());
         const Film film(size, plan_.features, context_.limits());
         gpuAtlas_.bind();
         view.bind();

@@ -23,7 +23,7 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     needs.features.doublePrecision = options.doublePrecision;
     needs.features.intersect = options.intersect;
     needs.features.software = scene.context->device().software;
-    if (kind == ShaderKind::Render) needs.features.pixelQueue = wantsPixelQueue(needs.features);
+    if (kind == ShaderKind::Render) needs.features.subgroups = limits.subgroups;
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
     scene.plan.features.countWork = 0;
     stages.begin("compile");

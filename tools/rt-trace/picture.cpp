@@ -15,24 +15,21 @@ namespace {
 
 /// Takes the samples of `tiles` again with a variant that counts.
 WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
-                     const GpuView& view, const TileSamples& rendered) {
+                     const PictureSetup& setup, const TileSamples& rendered) {
     plan.features.countWork = 1;
     const GlProgram program = compileVariant(plan);
     const Film film(options.size, plan.features, context.limits());
+    GpuView view(setup.camera, setup.params, setup.lights, plan.features, context.limits());
+    view.bind();
     film.bind();
     TileSamples tiles = rendered;
     for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
-    WorkTotals totals;
-    LoopControl control;
-    control.afterDispatch = [&](const TileSamples::Region& region) {
-        totals += sumWork(film.readCounters(region.pixels));
-    };
-    renderTiles(program, view, film, context, tiles, control);
-    return totals;
+    renderTiles(program, view, film, context, tiles, {});
+    return sumWork(film.readCounters(rendered.window()));
 }
 
 // Between checkpoints, or from the one that is resumed to the end.
-void runLoop(const TraceOptions& options, const GpuScene& scene, const GpuView& view, const Film& film,
+void runLoop(const TraceOptions& options, const GpuScene& scene, GpuView& view, const Film& film,
              const PictureIdentity& identity, Picture& picture) {
     LoopControl control;
     control.targetError = options.targetError;
@@ -59,7 +56,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
                       StageTimer& stages) {
     const GlContext& context = *scene.context;
     const Film film(options.size, scene.plan.features, context.limits());
-    const GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features.pixelQueue != 0);
+    GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features, context.limits());
     const PictureIdentity identity = identityOf(options, setup, scene.plan.features, scene.file.contentHash);
     Picture picture{{}, TileSamples(options.window, options.samples), {}};
     if (!options.resumePath.empty())
@@ -77,7 +74,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     picture.pixels = film.read(options.window, picture.tiles.perPixel());
     stages.end();
     checkPixels(options, picture.pixels);
-    if (options.stats) picture.work = countWork(options, scene.plan, context, view, picture.tiles);
+    if (options.stats) picture.work = countWork(options, scene.plan, context, setup, picture.tiles);
     if (options.heat != Heat::None)
         picture.heatMost = paintHeat(picture.pixels, options.heat, options.heatMost);
     return picture;

@@ -9,12 +9,16 @@
 namespace rt {
 namespace {
 
-// Of a queue, for each invocation: few enough that all lanes of a device have work.
-constexpr unsigned kPixelsPerLane = 4;
-constexpr unsigned kGroupsAcross = 32768;
+// Pixels are taken in blocks, so that neighbouring lanes see the same things.
+constexpr glm::uvec2 kBlock(8, 4);
 
-unsigned groupsFor(unsigned pixels) {
-    return (pixels + kGroupSide - 1) / kGroupSide;
+glm::uvec2 blocksIn(const glm::uvec4& region) {
+    return (glm::uvec2(region.z, region.w) - glm::uvec2(region) + kBlock - 1u) / kBlock;
+}
+
+unsigned samplesIn(const glm::uvec4& region) {
+    const glm::uvec2 blocks = blocksIn(region);
+    return blocks.x * blocks.y * kBlock.x * kBlock.y;
 }
 
 } // namespace
@@ -48,48 +52,45 @@ RenderParams wholePicture(glm::uvec2 size) {
 }
 
 GpuView::GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
-                 bool queue)
+                 const SceneFeatures& features, const GlLimits& limits)
     : params_(params), cameraBuffer_(createBuffer(std::as_bytes(std::span(&camera, 1)))),
       paramsBuffer_(createDynamicBuffer(sizeof(RenderParams))),
-      lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))) {
-    if (queue) queueBuffer_ = createDynamicBuffer(sizeof(std::uint32_t));
+      lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))), slots_(features, limits) {
+    params_.slots = {slots_.count(), 0, 0, 0};
 }
 
 void GpuView::bind() const {
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_CAMERA, cameraBuffer_.name());
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_RENDER, paramsBuffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_LIGHTS, lightBuffer_.name());
-    if (queueBuffer_.name())
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_PIXELS, queueBuffer_.name());
+    slots_.bind();
     checkGl("binding the camera");
 }
 
-void GpuView::setWork(const glm::uvec4& region, unsigned first, unsigned count) const {
+void GpuView::renderBatch(const glm::uvec4& region, unsigned first, unsigned count) {
     RenderParams params = params_;
     params.region = region;
     params.samples.x = first;
     params.samples.y = count;
     updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
+    slots_.render(samplesIn(region) * count);
 }
 
-void GpuView::dispatch(const glm::uvec4& region, unsigned first, unsigned count) const {
-    setWork(region, first, count);
-    const glm::uvec2 groups(groupsFor(region.z - region.x), groupsFor(region.w - region.y));
-    if (!queueBuffer_.name()) {
-        glDispatchCompute(groups.x, groups.y, 1);
-        return;
+void GpuView::render(const glm::uvec4& region, unsigned first, unsigned count) {
+    const unsigned inRow = blocksIn(region).x * kBlock.x * kBlock.y; // of blocks
+    const unsigned rows = std::max(slots_.count() / inRow, 1u) * kBlock.y;
+    for (unsigned y = region.y; y < region.w; y += rows) {
+        const glm::uvec4 band(region.x, y, region.z, std::min(y + rows, region.w));
+        const unsigned most = std::max(slots_.count() / samplesIn(band), 1u);
+        for (unsigned done = 0; done < count; done += most)
+            renderBatch(band, first + done, std::min(most, count - done));
     }
-    constexpr std::uint32_t kNone = 0;
-    updateBuffer(queueBuffer_, std::as_bytes(std::span(&kNone, 1)));
-    const unsigned all = groups.x * groups.y;
-    const unsigned few = (all + kPixelsPerLane - 1) / kPixelsPerLane;
-    glDispatchCompute(std::min(few, kGroupsAcross), (few + kGroupsAcross - 1) / kGroupsAcross, 1);
 }
 
-void finishCompiling(const GlProgram& program, const GpuView& view) {
+void finishCompiling(const GlProgram& program, GpuView& view) {
     glUseProgram(program.name());
-    view.setWork(glm::uvec4(0), 0, 0); // nothing is drawn
-    glDispatchCompute(1, 1, 1);
+    view.warmUp();
     glFinish();
     checkGl("starting the renderer");
 }

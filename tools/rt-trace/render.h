@@ -1,7 +1,7 @@
 #pragma once
 #include "formats/gpu_interface.shared.h"
 #include "formats/material.shared.h"
-#include "tools/rt-trace/gl_objects.h"
+#include "tools/rt-trace/sample_slots.h"
 
 #include <span>
 #include <vector>
@@ -25,22 +25,24 @@ RenderParams wholePicture(glm::uvec2 size);
 /// Camera, parameters and lights in the device's memory.
 class GpuView {
 public:
-    /// `lights` are in atlas space, see chooseLights().
-    /// `queue`: the shader takes pixels from a queue (SceneFeatures::pixelQueue).
+    /// `lights` are in atlas space, see chooseLights(); `features` are the program's.
     GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
-            bool queue = false);
+            const SceneFeatures& features, const GlLimits& limits);
     void bind() const;
-    /// Makes the next dispatch render this region, [xy, zw), and `count` samples from `first` on.
-    void setWork(const glm::uvec4& region, unsigned first, unsigned count) const;
-    /// setWork() and the dispatch itself.
-    void dispatch(const glm::uvec4& region, unsigned first, unsigned count) const;
+    /// Renders `count` samples from `first` on of each pixel of a region, [xy, zw).
+    void render(const glm::uvec4& region, unsigned first, unsigned count);
+    /// Dispatches the program without rendering anything.
+    void warmUp() { renderBatch(glm::uvec4(0), 0, 0); }
 
 private:
+    void renderBatch(const glm::uvec4& region, unsigned first, unsigned count);
+
     RenderParams params_;
-    GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_, queueBuffer_;
+    GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_;
+    SampleSlots slots_;
 };
 
 /// Makes the driver finish compiling for what is bound: some do so at the first dispatch only.
-void finishCompiling(const GlProgram& program, const GpuView& view);
+void finishCompiling(const GlProgram& program, GpuView& view);
 
 } // namespace rt

@@ -18,9 +18,6 @@ namespace {
 constexpr double kDispatchMs = 150.0;       // aimed at; none should take 250: displays freeze, Ctrl-C waits
 constexpr double kMostGrowth = 4.0;         // from one dispatch to the next: costs differ over a picture
 constexpr double kFirstSoftware = 1u << 14; // samples of the first dispatch
-// Of a pixel in one dispatch: software renderers end an invocation after 65,535 rounds of all its loops
-// together.
-constexpr std::uint32_t kMostSoftware = 1;
 constexpr double kFirstHardware = 1u << 22;
 constexpr double kSaveMs = 30e3;
 // The error is looked at each time that tiles have this many samples more, whatever the cuts.
@@ -56,7 +53,7 @@ double samplesOf(const TileSamples& tiles, bool goals) {
 
 class Loop {
 public:
-    Loop(const GpuView& view, const Film& film, const GlContext& context, TileSamples& tiles,
+    Loop(GpuView& view, const Film& film, const GlContext& context, TileSamples& tiles,
          const LoopControl& control)
         : view_(view), film_(film), software_(context.device().software), tiles_(tiles), control_(control),
           pace_(software_, control.mostSamples),
@@ -81,7 +78,6 @@ private:
             count = std::min(count, kErrorSamples - round.samples % kErrorSamples);
         const std::uint64_t affordable =
             pace_.samples() / std::max<std::uint64_t>(tiles_.unfinishedPixels(), 1);
-        if (software_) count = std::min(count, kMostSoftware);
         count = static_cast<std::uint32_t>(std::clamp<std::uint64_t>(affordable, 1, count));
         while (const auto region = tiles_.next(round.samples, pace_.samples() / count)) {
             if (control_.endMs > 0.0 && round.samples > 0 && programMs() >= control_.endMs) {
@@ -89,7 +85,7 @@ private:
                 return false;
             }
             dispatch(*region, count);
-            afterDispatch(*region);
+            afterDispatch();
         }
         return true;
     }
@@ -97,8 +93,7 @@ private:
     void dispatch(const TileSamples::Region& region, std::uint32_t count) {
         GpuTimer timer(software_);
         timer.begin();
-        glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
-        view_.dispatch(region.pixels, region.samples, count);
+        view_.render(region.pixels, region.samples, count);
         timer.end();
         const double elapsedMs = timer.elapsedMs();
         checkGl("rendering");
@@ -111,8 +106,7 @@ private:
         ++figures_.dispatches;
     }
 
-    void afterDispatch(const TileSamples::Region& region) {
-        if (control_.afterDispatch) control_.afterDispatch(region);
+    void afterDispatch() {
         progress_.update(done_);
         const bool due = programMs() - savedMs_ > kSaveMs;
         if (control_.save && (due || stop_.made())) {
@@ -146,7 +140,7 @@ private:
         return stopped > 0;
     }
 
-    const GpuView& view_;
+    GpuView& view_;
     const Film& film_;
     bool software_;
     TileSamples& tiles_;
@@ -169,8 +163,8 @@ double meanRelativeError(std::span<const glm::vec2> moments, std::uint32_t sampl
     return sum / static_cast<double>(moments.size());
 }
 
-LoopFigures renderTiles(const GlProgram& program, const GpuView& view, const Film& film,
-                        const GlContext& context, TileSamples& tiles, const LoopControl& control) {
+LoopFigures renderTiles(const GlProgram& program, GpuView& view, const Film& film, const GlContext& context,
+                        TileSamples& tiles, const LoopControl& control) {
     glUseProgram(program.name());
     return Loop(view, film, context, tiles, control).run();
 }

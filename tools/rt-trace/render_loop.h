@@ -13,8 +13,6 @@ struct LoopControl {
     double targetError = 0.0; ///< of the mean, relative: tiles that are better get no more samples; 0 = off
     double endMs = 0.0;       ///< programMs() at which to end, once every pixel has a sample; 0 = never
     std::uint64_t mostSamples = std::uint64_t(1) << 30; ///< of a dispatch, all pixels together; for tests
-    /// After each dispatch; the region's counts are those before it.
-    std::function<void(const TileSamples::Region& region)> afterDispatch = {};
     /// Saves what there is, of which this run took so many milliseconds on the device; called now and then,
     /// and before the program ends because of a signal.
     std::function<void(double gpuMs)> save = {};
@@ -31,8 +29,8 @@ struct LoopFigures {
 /// Renders the samples that `tiles` lack into `film`, both bound and current. Cuts the work so that no
 /// dispatch takes long, whatever the scene and the device. The picture does not depend on the cuts: each
 /// pixel's samples are added up in their order. A signal ends the program after the running dispatch.
-LoopFigures renderTiles(const GlProgram& program, const GpuView& view, const Film& film,
-                        const GlContext& context, TileSamples& tiles, const LoopControl& control);
+LoopFigures renderTiles(const GlProgram& program, GpuView& view, const Film& film, const GlContext& context,
+                        TileSamples& tiles, const LoopControl& control);
 
 /// Mean over a tile's pixels of the standard error of a pixel's mean luminance, relative to it, or to 0.01
 /// where it is darker. `moments`: sums of the luminance squared and of the luminance over `samples` >= 2.

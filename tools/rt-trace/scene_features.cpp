@@ -41,8 +41,6 @@ std::span<const FeatureRow> featureTable() {
         {"RT_VIEW", &SceneFeatures::view, "perspective, orthographic (1) or panorama (2)"},
         {"RT_HAS_LENS", &SceneFeatures::hasLens, "the camera has a lens"},
         {"RT_MULTISAMPLE", &SceneFeatures::multisample, "more than one sample per pixel"},
-        {"RT_PIXEL_QUEUE", &SceneFeatures::pixelQueue,
-         "a material in use transmits, so that pixels take very different numbers of rays; not on software"},
         {"RT_HAS_AOVS", &SceneFeatures::hasAovs, "channels beyond colour, N, Z and id were asked for"},
         {"RT_HAS_MOMENTS", &SceneFeatures::hasMoments, "the error is estimated"},
         {"RT_MAX_DEPTH", &SceneFeatures::maxDepth,
@@ -109,10 +107,6 @@ SceneFeatures renderFeatures(const Atlas& atlas, const PictureNeeds& needs) {
     features.hasAovs = needs.aovs;
     features.hasMoments = needs.moments;
     return features;
-}
-
-unsigned wantsPixelQueue(const SceneFeatures& features) {
-    return features.hasTransmission && !features.software;
 }
 
 SceneFeatures queryFeatures(const Atlas& atlas, bool anyHit) {

@@ -34,7 +34,6 @@ struct SceneFeatures {
     unsigned view = 0; ///< kPerspectiveView, ...
     unsigned hasLens = 0;
     unsigned multisample = 0;
-    unsigned pixelQueue = 0;
     unsigned hasAovs = 0;
     unsigned hasMoments = 0;
     unsigned maxDepth = 0;
@@ -67,9 +66,6 @@ struct PictureNeeds {
 /// Features of a picture. A material counts only if a triangle uses it. Safe for an atlas of which only the
 /// sizes are validated.
 SceneFeatures renderFeatures(const Atlas& atlas, const PictureNeeds& needs);
-
-/// Whether a picture with these features, `software` among them, takes its pixels from a queue.
-unsigned wantsPixelQueue(const SceneFeatures& features);
 
 /// Features of ray queries, which do not shade.
 SceneFeatures queryFeatures(const Atlas& atlas, bool anyHit);

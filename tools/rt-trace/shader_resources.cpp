@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "formats/gpu_interface.shared.h"
+#include "tools/rt-trace/slot_layout.h"
 #include "tools/rt-trace/triangle_transforms.h"
 
 #include <fmt/format.h>
@@ -54,7 +55,7 @@ std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& fe
 // Storage buffers that the variant reads besides the arrays' pages.
 unsigned unpagedBuffers(const SceneFeatures& features, ShaderKind kind) {
     if (kind == ShaderKind::Query) return 2 + features.countWork + features.scatteredRays; // rays, hits
-    return 2 + features.hasTextures + features.hasEnvironment + features.pixelQueue; // materials, lights
+    return 4 + features.hasTextures + features.hasEnvironment; // materials, lights, slots, rounds
 }
 
 // log2 of the most elements, a power of two, that `most` holds.
@@ -175,7 +176,8 @@ std::string renderText(const SceneFeatures& features) {
                        bufferText(RT_BUFFER_LIGHTS, "readonly", "Light", "lights") +
                        imageText(RT_IMAGE_COLOR, "rgba32f", "", "image2D", "colorImage") +
                        imageText(RT_IMAGE_SURFACE, "rgba32f", "writeonly", "image2D", "surfaceImage") +
-                       imageText(RT_IMAGE_ID, "r32ui", "writeonly", "uimage2D", "idImage");
+                       imageText(RT_IMAGE_ID, "r32ui", "writeonly", "uimage2D", "idImage") +
+                       slotText(slotLayout(features));
     if (features.hasTextures)
         text += bufferText(RT_BUFFER_IMAGES, "readonly", "ImagePlace", "images") +
                 fmt::format("layout(binding = {}) uniform sampler2DArray texturePages;\n", RT_TEXTURE_PAGES) +
@@ -185,12 +187,7 @@ std::string renderText(const SceneFeatures& features) {
         text +=
             bufferText(RT_BUFFER_ENVIRONMENT, "readonly", "float", "environmentTable") +
             fmt::format("layout(binding = {}) uniform sampler2D environmentMap;\n", RT_TEXTURE_ENVIRONMENT);
-    if (features.pixelQueue)
-        text +=
-            fmt::format("layout(std430, binding = {}) restrict buffer PixelBlock {{ uint queuedPixels; }};\n",
-                        RT_BUFFER_PIXELS);
-    if (features.countWork)
-        text += imageText(RT_IMAGE_COUNTERS, "rgba32ui", "writeonly", "uimage2D", "counterImage");
+    if (features.countWork) text += imageText(RT_IMAGE_COUNTERS, "rgba32ui", "", "uimage2D", "counterImage");
     if (features.hasMoments) text += imageText(RT_IMAGE_MOMENTS, "rg32f", "", "image2D", "momentImage");
     if (features.hasAovs)
         text += imageText(RT_IMAGE_ALBEDO, "rgba32f", "", "image2D", "albedoImage") +

@@ -5,7 +5,6 @@
 namespace rt {
 
 // Work groups: a square of pixels, or a run of rays.
-inline constexpr unsigned kGroupSide = 8;
 inline constexpr unsigned kRaysPerGroup = 128;
 
 /// The entry shader of the plan's kind, shaders/render.comp.glsl or shaders/query.comp.glsl, for its
