@@ -7,11 +7,8 @@
 uint lanesWhere(bool condition) {
     return subgroupBallotBitCount(subgroupBallot(condition));
 }
-uint activeLanes() {
-    return subgroupBallotBitCount(subgroupBallot(true));
-}
-uint rankOfLane() { // among the active ones
-    return subgroupBallotExclusiveBitCount(subgroupBallot(true));
+uint rankWhere(bool condition) { // among the active ones where it holds
+    return subgroupBallotExclusiveBitCount(subgroupBallot(condition));
 }
 bool isFirstLane() {
     return subgroupElect();
@@ -23,10 +20,7 @@ uint fromFirstLane(uint value) {
 uint lanesWhere(bool condition) {
     return condition ? 1u : 0u;
 }
-uint activeLanes() {
-    return 1u;
-}
-uint rankOfLane() {
+uint rankWhere(bool condition) {
     return 0u;
 }
 bool isFirstLane() {

@@ -196,25 +196,26 @@ void loadState() {
     if (flight.shadow && kManyJobs) loadLit();
 }
 
-const uint kPaths = 0u, kShadows = 1u;
-
-// The queue of the next round takes this slot: paths from its front, shadow rays from its end.
-void enqueueAs(uint kind) {
-    uint asking = activeLanes(), rank = rankOfLane(), first = 0u;
-    if (isFirstLane()) {
-        if (kind == kPaths) first = atomicAdd(rounds[roundInGroup + 1u].counts.x, asking);
-        else first = atomicAdd(rounds[roundInGroup + 1u].counts.y, asking);
-        // As many work groups as begin among these places.
-        uint begun = (first + asking + RT_GROUP_X - 1u) / RT_GROUP_X - (first + RT_GROUP_X - 1u) / RT_GROUP_X;
-        if (begun > 0u) atomicAdd(rounds[roundInGroup + 1u].groups.x, begun);
-    }
-    uint at = fromFirstLane(first) + rank;
-    uint queueStart = ((roundInGroup + 1u) & 1u) * picture.slots.x;
-    queue[queueStart + (kind == kPaths ? at : picture.slots.x - 1u - at)] = slot;
+// Work groups whose first place is among `count` from `first` on.
+uint groupsBegun(uint first, uint count) {
+    const uint kSize = uint(RT_GROUP_X);
+    return (first + count + kSize - 1u) / kSize - (first + kSize - 1u) / kSize;
 }
+
+// The queue of the next round takes this slot: paths from its front, shadow rays from its end. All that go on call this together.
 void enqueue() {
-    if (flight.shadow) enqueueAs(kShadows);
-    else enqueueAs(kPaths);
+    uint next = roundInGroup + 1u, queueStart = (next & 1u) * picture.slots.x;
+    uint paths = lanesWhere(!flight.shadow), shadows = lanesWhere(flight.shadow);
+    uvec2 rank = uvec2(rankWhere(!flight.shadow), rankWhere(flight.shadow));
+    uvec2 first = uvec2(0u);
+    if (isFirstLane()) {
+        first.x = paths > 0u ? atomicAdd(rounds[next].counts.x, paths) : 0u;
+        first.y = shadows > 0u ? atomicAdd(rounds[next].counts.y, shadows) : 0u;
+        uint groups = groupsBegun(first.x, paths) + groupsBegun(first.y, shadows);
+        if (groups > 0u) atomicAdd(rounds[next].groups.x, groups);
+    }
+    first = uvec2(fromFirstLane(first.x), fromFirstLane(first.y));
+    queue[queueStart + (flight.shadow ? picture.slots.x - 1u - (first.y + rank.y) : first.x + rank.x)] = slot;
 }
 
 // False where the round has no sample for this invocation.

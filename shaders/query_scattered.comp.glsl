@@ -39,8 +39,8 @@ void main() {
             more = taken++ < query.count.y;
             if (more) {
                 // Lanes that ask together get neighbours.
-                uint asking = activeLanes();
-                uint rank = rankOfLane();
+                uint asking = lanesWhere(true);
+                uint rank = rankWhere(true);
                 uint first = 0u;
                 if (isFirstLane()) first = atomicAdd(nextRay, asking);
                 index = fromFirstLane(first) + rank;

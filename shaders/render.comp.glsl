@@ -215,9 +215,8 @@ void main() {
     slot = gl_GlobalInvocationID.x;
     if (stage == kStageResolve) {
         if (slot < pixelSlots() && isInRegion(placeOf(slot).pixel)) resolve(placeOf(slot).pixel);
-    } else if (stage == kStageBegin) {
-        if (slot < pixelSlots() * picture.samples.y) advance(true);
-    } else if (takeFromQueue()) {
-        advance(false);
+    } else {
+        bool first = stage == kStageBegin;
+        if (first ? slot < pixelSlots() * picture.samples.y : takeFromQueue()) advance(first);
     }
 }

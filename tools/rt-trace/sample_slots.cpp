@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 30;
 constexpr std::uint64_t kMostSoftware = 1u << 15; // samples: more would not stay in caches
+constexpr unsigned kMoreRounds = 4;               // when those expected were not enough
 constexpr std::uint64_t kMostHardware = 1u << 22;
-constexpr std::uint64_t kRoundBytes = sizeof(TraceRound) * (kRoundsInGroup + 1);
 
 using Rounds = std::array<TraceRound, kRoundsInGroup + 1>;
 
@@ -34,52 +34,65 @@ void setStage(unsigned stage, unsigned round) {
     glUniform1ui(RT_LOCATION_ROUND, round);
 }
 
-// The first round of a group is `first`, all others are empty.
-void resetRounds(const GlBuffer& buffer, const TraceRound& first) {
+GlBuffer createNoRounds() {
     Rounds rounds;
     rounds.fill({{0, 1, 1, 0}, {0, 0, 0, 0}});
-    rounds[0] = first;
-    updateBuffer(buffer, std::as_bytes(std::span(rounds)));
+    return createBuffer(std::as_bytes(std::span(rounds)));
+}
+
+// `count` rounds.
+void copyRounds(const GlBuffer& from, unsigned first, const GlBuffer& to, unsigned at, unsigned count) {
+    constexpr auto kBytes = static_cast<GLintptr>(sizeof(TraceRound));
+    glCopyNamedBufferSubData(from.name(), to.name(), first * kBytes, at * kBytes, count * kBytes);
 }
 
 } // namespace
 
 SampleSlots::SampleSlots(const SceneFeatures& features, const GlLimits& limits)
     : count_(slotCount(features, limits)), slots_(createOutputBuffer(count_ * slotLayout(features).bytes())),
-      queue_(createDynamicBuffer(kRoundBytes + std::uint64_t(count_) * 2 * sizeof(std::uint32_t))) {}
+      queues_(createOutputBuffer(std::uint64_t(count_) * 2 * sizeof(std::uint32_t))),
+      rounds_(createOutputBuffer(sizeof(Rounds))), noRounds_(createNoRounds()),
+      answer_(createDynamicBuffer(sizeof(TraceRound))) {}
 
 void SampleSlots::bind() const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_SLOTS, slots_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_ROUNDS, queue_.name());
-    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, queue_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_QUEUES, queues_.name());
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_ROUNDS, rounds_.name());
+    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, rounds_.name());
     checkGl("binding the samples");
 }
 
+// Whether the round has anything to do.
+bool SampleSlots::isWanted(unsigned round) {
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+    copyRounds(rounds_, round, answer_, 0, 1);
+    TraceRound answer;
+    readBuffer(answer_, std::as_writable_bytes(std::span(&answer, 1)));
+    return answer.groups.x > 0;
+}
+
 void SampleSlots::render(unsigned samples) {
-    resetRounds(queue_, {});
+    copyRounds(noRounds_, 0, rounds_, 0, kRoundsInGroup + 1);
     setStage(kStageBegin, 0);
     glDispatchCompute(groupsFor(samples), 1, 1);
-    unsigned round = 1; // of its group
-    unsigned taken = 0, wanted = rounds_;
-    for (;;) {
-        const unsigned end = std::min(round + wanted, kRoundsInGroup);
-        for (; round < end; ++round, ++taken) {
+    unsigned round = 1, taken = 0, due = expected_;
+    do {
+        if (round == kRoundsInGroup) { // becomes the next group's first
+            static_assert(kRoundsInGroup % 2 == 0, "its queue is the same");
+            copyRounds(rounds_, kRoundsInGroup, rounds_, 0, 1);
+            copyRounds(noRounds_, 1, rounds_, 1, kRoundsInGroup);
+            round = 0;
+        }
+        const unsigned end = std::min(round + due, kRoundsInGroup);
+        taken += end - round;
+        for (; round < end; ++round) {
             glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
             setStage(kStageAdvance, round);
             glDispatchComputeIndirect(static_cast<GLintptr>(sizeof(TraceRound) * round));
         }
-        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
-        TraceRound next;
-        glGetNamedBufferSubData(queue_.name(), static_cast<GLintptr>(sizeof(TraceRound) * round),
-                                sizeof(TraceRound), &next);
-        if (next.groups.x == 0) break;
-        wanted = 4;
-        if (round < kRoundsInGroup) continue;
-        static_assert(kRoundsInGroup % 2 == 0); // the same half of the queue
-        resetRounds(queue_, next);
-        round = 0;
-    }
-    rounds_ = taken;
+        due = kMoreRounds;
+    } while (isWanted(round));
+    expected_ = taken;
     setStage(kStageResolve, 0);
     glDispatchCompute(groupsFor(samples), 1, 1);
 }

@@ -18,9 +18,14 @@ public:
     void render(unsigned samples);
 
 private:
+    bool isWanted(unsigned round);
+
     unsigned count_;
-    unsigned rounds_ = 2; // that the last batch took
-    GlBuffer slots_, queue_;
+    unsigned expected_ = 2; // rounds, as the last batch took
+    GlBuffer slots_, queues_, rounds_;
+    GlBuffer noRounds_; // a group's before it begins
+    GlBuffer answer_;   // a round; what the host reads must not be what shaders write, or drivers move it to
+                        // the host
 };
 
 } // namespace rt

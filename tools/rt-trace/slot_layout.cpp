@@ -47,11 +47,11 @@ std::string slotText(const SlotLayout& layout) {
         fmt::format("layout(location = {}) uniform uint stage;\n"
                     "layout(location = {}) uniform uint roundInGroup;\n"
                     "layout(std430, binding = {}) restrict buffer SlotBlock {{ uvec4 slots[]; }};\n"
-                    "layout(std430, binding = {}) restrict buffer RoundBlock {{ TraceRound rounds[{}]; uint "
-                    "queue[]; }};\n"
+                    "layout(std430, binding = {}) restrict buffer RoundBlock {{ TraceRound rounds[]; }};\n"
+                    "layout(std430, binding = {}) restrict buffer QueueBlock {{ uint queue[]; }};\n"
                     "const uint kPointPlanes = {}u;\n",
-                    RT_LOCATION_STAGE, RT_LOCATION_ROUND, RT_BUFFER_SLOTS, RT_BUFFER_ROUNDS,
-                    kRoundsInGroup + 1, layout.pointPlanes);
+                    RT_LOCATION_STAGE, RT_LOCATION_ROUND, RT_BUFFER_SLOTS, RT_BUFFER_ROUNDS, RT_BUFFER_QUEUES,
+                    layout.pointPlanes);
     const std::pair<const char*, unsigned> parts[] = {
         {"Flight", layout.flight},     {"Color", layout.color}, {"Path", layout.path},
         {"Arriving", layout.arriving}, {"Lit", layout.lit},     {"Albedo", layout.albedo},
