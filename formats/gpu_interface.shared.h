@@ -33,9 +33,9 @@ RT_SHARED_BEGIN
 #define RT_BUFFER_HITS 4
 #define RT_BUFFER_SLOTS 4    // render: uvec4, see SlotLayout in tools/rt-trace/sample_slots.h
 #define RT_BUFFER_COUNTERS 5 // uvec4 per ray, where work is counted
-#define RT_BUFFER_ROUNDS 5   // render: kRoundsInGroup + 1 times TraceRound
-#define RT_BUFFER_QUEUES 6   // render: uint, slots with a ray for this round and slots with one for the next
-#define RT_BUFFER_FIRST_PAGED 7
+#define RT_BUFFER_ROUNDS                                                                                     \
+    5 // render: TraceRound times kRoundsInGroup + 1; uint: slots with a ray for this round, and for the next
+#define RT_BUFFER_FIRST_PAGED 6
 // Texture units: the texture pages, once with sRGB decoded and once as they are; the environment; then the
 // slabs of the voxel texture.
 #define RT_TEXTURE_PAGES 0
@@ -95,7 +95,7 @@ struct TraceRound {
 RT_SHARED_CONST uint kStageBegin = 0u;   // a batch: its first round
 RT_SHARED_CONST uint kStageAdvance = 1u; // another round
 RT_SHARED_CONST uint kStageResolve = 2u; // samples are added to their pixels
-#define RT_LOCATION_STAGE 0
+#define RT_LOCATION_STAGE 0 // uniforms
 #define RT_LOCATION_ROUND 1 // of its group
 
 RT_SHARED_CONST uint kFilterBox = 0u;

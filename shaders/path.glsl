@@ -35,11 +35,15 @@ struct Arriving {
     uvec2 media;
 };
 
+// Part of the way to a light that shadow rays go: a light may lie in a surface, such as a ceiling, and still shine.
+const real kBeforeLight = 1.0f - 1e-4f;
+
 const bool kTints = kHasTransmission || kHasOpacity;
 const bool kManyJobs = uint(kHasOcclusion) + kLightCount + uint(kHasEnvironment) > 1u;
 
 // The sample of this invocation.
-uint slot;
+uint sampleNumber; // in the batch: where its result is
+uint slot;         // where it waits, once its first ray is traced
 Flight flight;
 Pending path;       // the ray that looks for surfaces, or the last that did
 Hit lit;            // what it met, while light is asked for there
@@ -48,11 +52,12 @@ Arriving arriving;  // along the shadow ray
 uint pendingCount;  // further rays, on the slot's stack
 vec4 sampleColor;   // A: whether the first ray has hit something
 vec3 sampleAlbedo;
-WorkCounters work;
 
-// Slots are spread over planes of four words each: see SlotLayout in tools/rt-trace/slot_layout.h.
+// Words stand as SlotLayout in tools/rt-trace/slot_layout.h says: results one plane after the other, as neighbouring lanes read
+// them; all else in one record for each slot, as only one lane asks for it.
 uint placeIn(uint plane) {
-    return plane * picture.slots.x + slot;
+    uint results = kResultPlanes * picture.slots.x;
+    return plane < kResultPlanes ? plane * picture.slots.x + sampleNumber : results + slot * kRecordPlanes + (plane - kResultPlanes);
 }
 void storeWords(uint plane, uvec4 words) {
     slots[placeIn(plane)] = words;
@@ -150,30 +155,42 @@ void loadLit() {
     lit.v = tuv.z;
 }
 
+// What the sample's ray has met.
+void storeHit(bool first, Hit hit) {
+    storePoint(first ? kPlaneFirstHit : kPlaneHit, real3(hit.t, hit.u, hit.v), hit.triangle);
+}
+Hit loadHit(bool first) {
+    uint triangle;
+    real3 tuv = loadPoint(first ? kPlaneFirstHit : kPlaneHit, triangle);
+    return Hit(tuv.x, tuv.y, tuv.z, triangle);
+}
+
 void storeSample() {
     storeWords(kPlaneColor, floatBitsToUint(sampleColor));
     if (kHasAovs) storeWords(kPlaneAlbedo, floatBitsToUint(vec4(sampleAlbedo, 0.0f)));
-    if (kCountWork) storeWords(kPlaneWork, uvec4(work.rays, work.steps, work.tests, work.selfHits));
 }
 void loadSample() {
     sampleColor = uintBitsToFloat(loadWords(kPlaneColor));
     if (kHasAovs) sampleAlbedo = uintBitsToFloat(loadWords(kPlaneAlbedo)).rgb;
-    if (!kCountWork) return;
-    uvec4 counted = loadWords(kPlaneWork);
-    work = WorkCounters(work.rays + counted.x, work.steps + counted.y, work.tests + counted.z, work.selfHits + counted.w);
 }
 
+// How far a flight goes, in two bits.
+const uint kEndless = 0u, kToLight = 1u, kNearby = 2u;
+
 void storeFlight() {
-    uint bits = uint(flight.shadow) | uint(flight.anyHit) << 1 | path.depth << 8 | pendingCount << 16;
-    storePoint(kPlaneFlight, flight.ray.origin, floatBitsToUint(float(flight.ray.tMax)));
+    uint reach = flight.ray.tMax >= kUnlimited ? kEndless : flight.anyHit && kHasOcclusion && flight.ray.tMax != kBeforeLight ? kNearby : kToLight;
+    uint bits = uint(flight.shadow) | uint(flight.anyHit) << 1 | reach << 2 | path.depth << 8 | pendingCount << 16;
+    storePoint(kPlaneFlight, flight.ray.origin, sampleNumber);
     storePoint(kPlaneFlight + kPointPlanes, flight.ray.direction, bits);
     if (kCountWork) storeWords(kPlaneWork + 1u, uvec4(flight.from, 0u, 0u, 0u));
 }
 void loadFlight() {
-    uint tMax, bits;
-    real3 origin = loadPoint(kPlaneFlight, tMax);
+    uint bits;
+    real3 origin = loadPoint(kPlaneFlight, sampleNumber);
     real3 direction = loadPoint(kPlaneFlight + kPointPlanes, bits);
-    flight = Flight(Ray(origin, direction, 0.0f, real(uintBitsToFloat(tMax))), (bits & 1u) != 0u, (bits & 2u) != 0u, kNoTriangle);
+    uint reach = (bits >> 2) & 3u;
+    real tMax = reach == kEndless ? kUnlimited : reach == kToLight ? kBeforeLight : real(picture.ambient.w);
+    flight = Flight(Ray(origin, direction, 0.0f, tMax), (bits & 1u) != 0u, (bits & 2u) != 0u, kNoTriangle);
     path.depth = (bits >> 8) & 0xFFu;
     pendingCount = (bits >> 16) & 0xFFFFu;
     if (kCountWork) flight.from = loadWords(kPlaneWork + 1u).x;
@@ -181,7 +198,6 @@ void loadFlight() {
 
 // What a sample needs beyond its flight once that is over.
 void storeState() {
-    storeSample();
     if (flight.shadow) storeArriving();
     if (!flight.shadow || kManyJobs) storePath();
     if (flight.shadow && kManyJobs) storeLit();
@@ -194,37 +210,4 @@ void loadState() {
     path.origin = flight.ray.origin;
     path.direction = flight.ray.direction;
     if (flight.shadow && kManyJobs) loadLit();
-}
-
-// Work groups whose first place is among `count` from `first` on.
-uint groupsBegun(uint first, uint count) {
-    const uint kSize = uint(RT_GROUP_X);
-    return (first + count + kSize - 1u) / kSize - (first + kSize - 1u) / kSize;
-}
-
-// The queue of the next round takes this slot: paths from its front, shadow rays from its end. All that go on call this together.
-void enqueue() {
-    uint next = roundInGroup + 1u, queueStart = (next & 1u) * picture.slots.x;
-    uint paths = lanesWhere(!flight.shadow), shadows = lanesWhere(flight.shadow);
-    uvec2 rank = uvec2(rankWhere(!flight.shadow), rankWhere(flight.shadow));
-    uvec2 first = uvec2(0u);
-    if (isFirstLane()) {
-        first.x = paths > 0u ? atomicAdd(rounds[next].counts.x, paths) : 0u;
-        first.y = shadows > 0u ? atomicAdd(rounds[next].counts.y, shadows) : 0u;
-        uint groups = groupsBegun(first.x, paths) + groupsBegun(first.y, shadows);
-        if (groups > 0u) atomicAdd(rounds[next].groups.x, groups);
-    }
-    first = uvec2(fromFirstLane(first.x), fromFirstLane(first.y));
-    queue[queueStart + (flight.shadow ? picture.slots.x - 1u - (first.y + rank.y) : first.x + rank.x)] = slot;
-}
-
-// False where the round has no sample for this invocation.
-bool takeFromQueue() {
-    uvec4 counts = rounds[roundInGroup].counts;
-    uint pathGroups = (counts.x + RT_GROUP_X - 1u) / RT_GROUP_X;
-    bool ofPath = gl_WorkGroupID.x < pathGroups;
-    uint i = (gl_WorkGroupID.x - (ofPath ? 0u : pathGroups)) * RT_GROUP_X + gl_LocalInvocationID.x;
-    if (i >= (ofPath ? counts.x : counts.y)) return false;
-    slot = queue[(roundInGroup & 1u) * picture.slots.x + (ofPath ? i : picture.slots.x - 1u - i)];
-    return true;
 }

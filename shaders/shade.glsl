@@ -70,9 +70,6 @@ Passed shadowTint(Surface s, real3 direction, uvec2 media) {
     return Passed(gap + s.opacity * glass, s.thin ? gap + s.opacity * glass : gap);
 }
 
-// Part of the way to a light that shadow rays go: a light may lie in a surface, such as a ceiling, and still shine.
-const real kBeforeLight = 1.0f - 1e-4f;
-
 // A hit as lights and new rays see it.
 struct Scatter {
     vec3 diffuse; // albedo of the diffuse part

@@ -19,10 +19,10 @@ inline BoundsD boundsOfAtlas(const Atlas& atlas) {
 }
 
 /// One sample of every pixel into the film, which is bound.
-inline FilmPixels renderOneSample(const GlProgram& program, GpuView& view, const Film& film,
+inline FilmPixels renderOneSample(const GpuPrograms& programs, GpuView& view, const Film& film,
                                   const GlContext& context, glm::uvec2 size) {
     TileSamples tiles({0, 0, size}, 1);
-    renderTiles(program, view, film, context, tiles, {});
+    renderTiles(programs, view, film, context, tiles, {});
     return film.read(tiles.window(), tiles.perPixel());
 }
 
@@ -50,13 +50,13 @@ inline Picture renderPicture(const GlContext& context, const Atlas& atlas, const
     GpuView view(cameraInAtlas(settings.pose, aspect, atlas.grid), params, lights, features,
                  context.limits());
     const Film film(settings.size, features, context.limits());
-    const GlProgram program = compileVariant(plan);
+    const GpuPrograms programs = compileVariant(plan);
     gpuAtlas.bind();
     view.bind();
     film.bind();
-    finishCompiling(program, view);
+    finishCompiling(programs, view);
     const glm::uvec4 whole(0, 0, settings.size);
-    return {renderOneSample(program, view, film, context, settings.size),
+    return {renderOneSample(programs, view, film, context, settings.size),
             features.countWork ? film.readCounters(whole) : std::vector<glm::uvec4>()};
 }
 

@@ -135,7 +135,7 @@ public:
                               context.limits().resources, "atlas")),
           gpuAtlas_(uploadAtlas(atlas_, plan_, context.limits(),
                                 static_cast<unsigned>(settings_.lights.size()), "atlas")),
-          program_(compileVariant(plan_)) {
+          programs_(compileVariant(plan_)) {
         if (!settings_.lights.empty()) lights_ = chooseLights({}, atlas_, boundsOfAtlas(atlas_), {});
         if (plan_.features.hasEnvironment)
             environment_.emplace(settings_.environment, context.limits(), "environment");
@@ -152,10 +152,9 @@ public:
                      context_.limits());
         const Film film(shot.size, plan_.features, context_.limits());
         bind(view, film);
-        glUseProgram(program_.name());
         for (unsigned first = 0; first < shot.samples;) {
             const unsigned count = std::min(shot.samplesPerDispatch, shot.samples - first);
-            view.render({0, 0, shot.size}, first, count);
+            view.render(programs_, {0, 0, shot.size}, first, count);
             first += count;
         }
         const std::size_t pixels = std::size_t(shot.size.x) * shot.size.y;
@@ -222,7 +221,7 @@ private:
     Atlas atlas_;
     ResourcePlan plan_;
     GpuAtlas gpuAtlas_;
-    GlProgram program_;
+    GpuPrograms programs_;
     std::vector<Light> lights_;
     std::optional<GpuEnvironment> environment_;
 };

@@ -52,8 +52,8 @@ struct QuerySettings {
 class ProgramCache {
 public:
     const GlProgram& of(const ResourcePlan& plan) {
-        GlProgram& program = programs_[variantText(plan).text];
-        if (!program.name()) program = compileVariant(plan);
+        GlProgram& program = programs_[featureDefines(plan.features) + resourceText(plan)];
+        if (!program.name()) program = compileVariant(plan).trace;
         return program;
     }
 

@@ -40,7 +40,7 @@ public:
           plan_(planResources(atlas_, features(), ShaderKind::Render, context.limits().resources, "atlas")),
           gpuAtlas_(
               uploadAtlas(atlas_, plan_, context.limits(), static_cast<unsigned>(lights_.size()), "atlas")),
-          program_(compileVariant(plan_)) {}
+          programs_(compileVariant(plan_)) {}
 
     Film film() const { return Film(kSize, plan_.features, context_.limits()); }
 
@@ -54,7 +54,7 @@ public:
         gpuAtlas_.bind();
         view.bind();
         film.bind();
-        return renderTiles(program_, view, film, context_, tiles, control);
+        return renderTiles(programs_, view, film, context_, tiles, control);
     }
 
     FilmPixels render(const glm::uvec4& window, std::uint64_t mostSamples, LoopFigures& figures) const {
@@ -81,7 +81,7 @@ private:
     std::vector<Light> lights_;
     ResourcePlan plan_;
     GpuAtlas gpuAtlas_;
-    GlProgram program_;
+    GpuPrograms programs_;
 };
 
 class RenderLoop : public testing::Test {

@@ -53,7 +53,7 @@ public:
               atlas_, renderFeatures(atlas_, {.maxDepth = 8, .lights = std::vector<Light>(light ? 1 : 0)}),
               ShaderKind::Render, context.limits().resources, "atlas")),
           gpuAtlas_(uploadAtlas(atlas_, plan_, context.limits(), light ? 1 : 0, "atlas")),
-          program_(compileVariant(plan_)) {
+          programs_(compileVariant(plan_)) {
         if (light)
             lights_ = chooseLights({{light->position, glm::vec3(light->intensity)}}, atlas_,
                                    BoundsD{glm::dvec3(-1), glm::dvec3(1)}, {});
@@ -70,7 +70,7 @@ public:
         gpuAtlas_.bind();
         view.bind();
         film.bind();
-        return test::renderOneSample(program_, view, film, context_, size);
+        return test::renderOneSample(programs_, view, film, context_, size);
     }
 
     // The middle of the only pixel is the look-at point.
@@ -84,7 +84,7 @@ private:
     float ambient_;
     ResourcePlan plan_;
     GpuAtlas gpuAtlas_;
-    GlProgram program_;
+    GpuPrograms programs_;
     std::vector<Light> lights_;
 };
 

@@ -272,7 +272,7 @@ TEST_F(RayQuery, ScatteredRaysTakeTheSameStepsAndTestsPassAfterPass) {
             planResources(atlas, features, ShaderKind::Query, limits().resources, "atlas");
         const GpuAtlas gpuAtlas = uploadAtlas(atlas, plan, limits(), 0, "atlas");
         GpuRays gpuRays(rays.size(), features, limits());
-        const GlProgram program = compileVariant(plan);
+        const GlProgram program = compileVariant(plan).trace;
         gpuAtlas.bind();
         gpuRays.upload(rays);
         EXPECT_EQ(gpuRays.trace(program, 3, context->device().software).size(), 3u);

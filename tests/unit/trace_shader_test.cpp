@@ -60,8 +60,8 @@ TEST(ShaderSource, CompilerLogsNameFiles) {
 }
 
 TEST(ShaderSource, EveryShaderOfTheRepositoryIsEmbedded) {
-    for (const char* path :
-         {"shaders/render.comp.glsl", "shaders/query.comp.glsl", "formats/atlas.shared.h"}) {
+    for (const char* path : {"shaders/trace.comp.glsl", "shaders/shade.comp.glsl", "shaders/query.comp.glsl",
+                             "formats/atlas.shared.h"}) {
         std::ostringstream text;
         text << std::ifstream(std::string(RT_SOURCE_DIR "/") + path).rdbuf();
         EXPECT_EQ(embeddedShader(path), text.str()) << path;

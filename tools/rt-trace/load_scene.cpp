@@ -27,11 +27,11 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
     scene.plan.features.countWork = 0;
     stages.begin("compile");
-    CompilingProgram program = startVariant(scene.plan);
+    CompilingPrograms programs = startVariant(scene.plan);
     stages.begin("upload");
     scene.atlas = uploadAtlas(file.atlas, scene.plan, limits, needs.lightCount, name);
     stages.begin("compile");
-    scene.program = program.finish();
+    scene.programs = programs.finish();
     stages.begin("wait");
     return scene;
 }

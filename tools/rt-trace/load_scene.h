@@ -3,6 +3,7 @@
 #include "formats/atlas_file.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/options.h"
+#include "tools/rt-trace/shader_variant.h"
 #include "tools/rt-trace/upload_atlas.h"
 
 #include <functional>
@@ -14,9 +15,9 @@ namespace rt {
 struct GpuScene {
     AtlasFile file{};
     std::unique_ptr<GlContext> context; // outlives what follows
-    ResourcePlan plan;                  ///< of `program`
+    ResourcePlan plan;                  ///< of `programs`
     GpuAtlas atlas;
-    GlProgram program;
+    GpuPrograms programs;
 };
 
 /// What a picture, or a set of rays, wants of an atlas.

@@ -17,14 +17,14 @@ namespace {
 WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
                      const PictureSetup& setup, const TileSamples& rendered) {
     plan.features.countWork = 1;
-    const GlProgram program = compileVariant(plan);
+    const GpuPrograms programs = compileVariant(plan);
     const Film film(options.size, plan.features, context.limits());
     GpuView view(setup.camera, setup.params, setup.lights, plan.features, context.limits());
     view.bind();
     film.bind();
     TileSamples tiles = rendered;
     for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
-    renderTiles(program, view, film, context, tiles, {});
+    renderTiles(programs, view, film, context, tiles, {});
     return sumWork(film.readCounters(rendered.window()));
 }
 
@@ -38,7 +38,7 @@ void runLoop(const TraceOptions& options, const GpuScene& scene, GpuView& view, 
         saveCheckpoint(options.checkpointPath, identity, film, picture.tiles, picture.earlierMs + gpuMs);
     };
     if (!options.checkpointPath.empty()) control.save = save;
-    picture.figures = renderTiles(scene.program, view, film, *scene.context, picture.tiles, control);
+    picture.figures = renderTiles(scene.programs, view, film, *scene.context, picture.tiles, control);
     if (control.save) save(picture.figures.gpuMs);
 }
 
@@ -65,7 +65,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     view.bind();
     film.bind();
     stages.begin("compile");
-    finishCompiling(scene.program, view);
+    finishCompiling(scene.programs, view);
     stages.end();
     stages.add("firstDispatch", programMs());
     stages.begin("render");

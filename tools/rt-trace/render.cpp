@@ -67,30 +67,30 @@ void GpuView::bind() const {
     checkGl("binding the camera");
 }
 
-void GpuView::renderBatch(const glm::uvec4& region, unsigned first, unsigned count) {
+void GpuView::renderBatch(const GpuPrograms& programs, const glm::uvec4& region, unsigned first,
+                          unsigned count) {
     RenderParams params = params_;
     params.region = region;
     params.samples.x = first;
     params.samples.y = count;
     updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
-    slots_.render(samplesIn(region) * count);
+    slots_.render(programs, samplesIn(region) * count);
 }
 
-void GpuView::render(const glm::uvec4& region, unsigned first, unsigned count) {
+void GpuView::render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count) {
     const unsigned inRow = blocksIn(region).x * kBlock.x * kBlock.y; // of blocks
     const unsigned rows = std::max(slots_.count() / inRow, 1u) * kBlock.y;
     for (unsigned y = region.y; y < region.w; y += rows) {
         const glm::uvec4 band(region.x, y, region.z, std::min(y + rows, region.w));
         const unsigned most = std::max(slots_.count() / samplesIn(band), 1u);
         for (unsigned done = 0; done < count; done += most)
-            renderBatch(band, first + done, std::min(most, count - done));
+            renderBatch(programs, band, first + done, std::min(most, count - done));
     }
 }
 
-void finishCompiling(const GlProgram& program, GpuView& view) {
-    glUseProgram(program.name());
-    view.warmUp();
+void finishCompiling(const GpuPrograms& programs, GpuView& view) {
+    view.warmUp(programs);
     glFinish();
     checkGl("starting the renderer");
 }

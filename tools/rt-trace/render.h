@@ -30,12 +30,12 @@ public:
             const SceneFeatures& features, const GlLimits& limits);
     void bind() const;
     /// Renders `count` samples from `first` on of each pixel of a region, [xy, zw).
-    void render(const glm::uvec4& region, unsigned first, unsigned count);
-    /// Dispatches the program without rendering anything.
-    void warmUp() { renderBatch(glm::uvec4(0), 0, 0); }
+    void render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count);
+    /// Dispatches the programs without rendering anything.
+    void warmUp(const GpuPrograms& programs) { renderBatch(programs, glm::uvec4(0), 0, 0); }
 
 private:
-    void renderBatch(const glm::uvec4& region, unsigned first, unsigned count);
+    void renderBatch(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count);
 
     RenderParams params_;
     GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_;
@@ -43,6 +43,6 @@ private:
 };
 
 /// Makes the driver finish compiling for what is bound: some do so at the first dispatch only.
-void finishCompiling(const GlProgram& program, GpuView& view);
+void finishCompiling(const GpuPrograms& programs, GpuView& view);
 
 } // namespace rt

@@ -53,10 +53,10 @@ double samplesOf(const TileSamples& tiles, bool goals) {
 
 class Loop {
 public:
-    Loop(GpuView& view, const Film& film, const GlContext& context, TileSamples& tiles,
-         const LoopControl& control)
-        : view_(view), film_(film), software_(context.device().software), tiles_(tiles), control_(control),
-          pace_(software_, control.mostSamples),
+    Loop(const GpuPrograms& programs, GpuView& view, const Film& film, const GlContext& context,
+         TileSamples& tiles, const LoopControl& control)
+        : programs_(programs), view_(view), film_(film), software_(context.device().software), tiles_(tiles),
+          control_(control), pace_(software_, control.mostSamples),
           progress_("samples", samplesOf(tiles, true), samplesOf(tiles, false)),
           done_(samplesOf(tiles, false)), savedMs_(programMs()) {}
 
@@ -93,7 +93,7 @@ private:
     void dispatch(const TileSamples::Region& region, std::uint32_t count) {
         GpuTimer timer(software_);
         timer.begin();
-        view_.render(region.pixels, region.samples, count);
+        view_.render(programs_, region.pixels, region.samples, count);
         timer.end();
         const double elapsedMs = timer.elapsedMs();
         checkGl("rendering");
@@ -140,6 +140,7 @@ private:
         return stopped > 0;
     }
 
+    const GpuPrograms& programs_;
     GpuView& view_;
     const Film& film_;
     bool software_;
@@ -163,10 +164,9 @@ double meanRelativeError(std::span<const glm::vec2> moments, std::uint32_t sampl
     return sum / static_cast<double>(moments.size());
 }
 
-LoopFigures renderTiles(const GlProgram& program, GpuView& view, const Film& film, const GlContext& context,
-                        TileSamples& tiles, const LoopControl& control) {
-    glUseProgram(program.name());
-    return Loop(view, film, context, tiles, control).run();
+LoopFigures renderTiles(const GpuPrograms& programs, GpuView& view, const Film& film,
+                        const GlContext& context, TileSamples& tiles, const LoopControl& control) {
+    return Loop(programs, view, film, context, tiles, control).run();
 }
 
 } // namespace rt

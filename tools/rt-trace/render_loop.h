@@ -29,8 +29,8 @@ struct LoopFigures {
 /// Renders the samples that `tiles` lack into `film`, both bound and current. Cuts the work so that no
 /// dispatch takes long, whatever the scene and the device. The picture does not depend on the cuts: each
 /// pixel's samples are added up in their order. A signal ends the program after the running dispatch.
-LoopFigures renderTiles(const GlProgram& program, GpuView& view, const Film& film, const GlContext& context,
-                        TileSamples& tiles, const LoopControl& control);
+LoopFigures renderTiles(const GpuPrograms& programs, GpuView& view, const Film& film,
+                        const GlContext& context, TileSamples& tiles, const LoopControl& control);
 
 /// Mean over a tile's pixels of the standard error of a pixel's mean luminance, relative to it, or to 0.01
 /// where it is darker. `moments`: sums of the luminance squared and of the luminance over `samples` >= 2.

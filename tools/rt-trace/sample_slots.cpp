@@ -1,7 +1,6 @@
 #include "tools/rt-trace/sample_slots.h"
 
 #include "formats/gpu_interface.shared.h"
-#include "tools/rt-trace/shader_variant.h"
 
 #include <epoxy/gl.h>
 
@@ -11,16 +10,16 @@
 namespace rt {
 namespace {
 
-constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 30;
+constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 31;
 constexpr std::uint64_t kMostSoftware = 1u << 15; // samples: more would not stay in caches
 constexpr unsigned kMoreRounds = 4;               // when those expected were not enough
-constexpr std::uint64_t kMostHardware = 1u << 22;
+constexpr std::uint64_t kMostHardware = 1u << 24;
 
 using Rounds = std::array<TraceRound, kRoundsInGroup + 1>;
 
 unsigned slotCount(const SceneFeatures& features, const GlLimits& limits) {
     const std::uint64_t bytes = std::min(kMostBytes, limits.resources.storageBlockBytes);
-    const std::uint64_t groups = std::min<std::uint64_t>(limits.groupCountX, 65535);
+    const std::uint64_t groups = std::min<std::uint64_t>(limits.groupCountX, 1u << 20);
     return static_cast<unsigned>(std::min({bytes / slotLayout(features).bytes(), groups * kRaysPerGroup,
                                            features.software ? kMostSoftware : kMostHardware}));
 }
@@ -29,9 +28,22 @@ unsigned groupsFor(unsigned samples) {
     return std::max((samples + kRaysPerGroup - 1) / kRaysPerGroup, 1u);
 }
 
-void setStage(unsigned stage, unsigned round) {
+void use(const GlProgram& program, unsigned stage, unsigned round) {
+    glUseProgram(program.name());
     glUniform1ui(RT_LOCATION_STAGE, stage);
     glUniform1ui(RT_LOCATION_ROUND, round);
+}
+
+// Of `samples`, or of those in the round's queue.
+void traceAndShade(const GpuPrograms& programs, unsigned stage, unsigned round, unsigned samples) {
+    for (const GlProgram* program : {&programs.trace, &programs.shade}) {
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+        use(*program, stage, round);
+        if (stage == kStageBegin)
+            glDispatchCompute(groupsFor(samples), 1, 1);
+        else
+            glDispatchComputeIndirect(static_cast<GLintptr>(sizeof(TraceRound) * round));
+    }
 }
 
 GlBuffer createNoRounds() {
@@ -50,13 +62,11 @@ void copyRounds(const GlBuffer& from, unsigned first, const GlBuffer& to, unsign
 
 SampleSlots::SampleSlots(const SceneFeatures& features, const GlLimits& limits)
     : count_(slotCount(features, limits)), slots_(createOutputBuffer(count_ * slotLayout(features).bytes())),
-      queues_(createOutputBuffer(std::uint64_t(count_) * 2 * sizeof(std::uint32_t))),
-      rounds_(createOutputBuffer(sizeof(Rounds))), noRounds_(createNoRounds()),
-      answer_(createDynamicBuffer(sizeof(TraceRound))) {}
+      rounds_(createOutputBuffer(sizeof(Rounds) + std::uint64_t(count_) * 2 * sizeof(std::uint32_t))),
+      noRounds_(createNoRounds()), answer_(createDynamicBuffer(sizeof(TraceRound))) {}
 
 void SampleSlots::bind() const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_SLOTS, slots_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_QUEUES, queues_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_ROUNDS, rounds_.name());
     glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, rounds_.name());
     checkGl("binding the samples");
@@ -71,10 +81,9 @@ bool SampleSlots::isWanted(unsigned round) {
     return answer.groups.x > 0;
 }
 
-void SampleSlots::render(unsigned samples) {
+void SampleSlots::render(const GpuPrograms& programs, unsigned samples) {
     copyRounds(noRounds_, 0, rounds_, 0, kRoundsInGroup + 1);
-    setStage(kStageBegin, 0);
-    glDispatchCompute(groupsFor(samples), 1, 1);
+    traceAndShade(programs, kStageBegin, 0, samples);
     unsigned round = 1, taken = 0, due = expected_;
     do {
         if (round == kRoundsInGroup) { // becomes the next group's first
@@ -85,15 +94,11 @@ void SampleSlots::render(unsigned samples) {
         }
         const unsigned end = std::min(round + due, kRoundsInGroup);
         taken += end - round;
-        for (; round < end; ++round) {
-            glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-            setStage(kStageAdvance, round);
-            glDispatchComputeIndirect(static_cast<GLintptr>(sizeof(TraceRound) * round));
-        }
+        for (; round < end; ++round) traceAndShade(programs, kStageAdvance, round, 0);
         due = kMoreRounds;
     } while (isWanted(round));
     expected_ = taken;
-    setStage(kStageResolve, 0);
+    use(programs.shade, kStageResolve, 0);
     glDispatchCompute(groupsFor(samples), 1, 1);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "tools/rt-trace/gl_limits.h"
 #include "tools/rt-trace/gl_objects.h"
+#include "tools/rt-trace/shader_variant.h"
 #include "tools/rt-trace/slot_layout.h"
 
 #include <cstdint>
@@ -14,15 +15,15 @@ public:
     void bind() const;
     /// Samples that there is room for.
     unsigned count() const { return count_; }
-    /// Renders a batch of so many, with the program and parameters that are current.
-    void render(unsigned samples);
+    /// Renders a batch of so many, with the parameters that are bound.
+    void render(const GpuPrograms& programs, unsigned samples);
 
 private:
     bool isWanted(unsigned round);
 
     unsigned count_;
     unsigned expected_ = 2; // rounds, as the last batch took
-    GlBuffer slots_, queues_, rounds_;
+    GlBuffer slots_, rounds_;
     GlBuffer noRounds_; // a group's before it begins
     GlBuffer answer_;   // a round; what the host reads must not be what shaders write, or drivers move it to
                         // the host

@@ -55,7 +55,7 @@ std::vector<PagedArray> wantedArrays(const Atlas& atlas, const SceneFeatures& fe
 // Storage buffers that the variant reads besides the arrays' pages.
 unsigned unpagedBuffers(const SceneFeatures& features, ShaderKind kind) {
     if (kind == ShaderKind::Query) return 2 + features.countWork + features.scatteredRays; // rays, hits
-    return 5 + features.hasTextures + features.hasEnvironment; // materials, lights, slots, rounds, queues
+    return 4 + features.hasTextures + features.hasEnvironment; // materials, lights, slots, rounds
 }
 
 // log2 of the most elements, a power of two, that `most` holds.

@@ -11,9 +11,9 @@ constexpr const char* kSubgroupExtensions = "#extension GL_KHR_shader_subgroup_b
 } // namespace
 
 ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find) {
-    const std::string prelude = fmt::format(
-        "#version 450 core\n{}{}#define RT_GROUP_X {}\n",
-        plan.features.subgroups ? kSubgroupExtensions : "", featureDefines(plan.features), kRaysPerGroup);
+    const std::string prelude = fmt::format("#version 450 core\n{}{}#define RT_GROUP_X {}\n",
+                                            plan.features.subgroups ? kSubgroupExtensions : "",
+                                            featureDefines(plan.features), kRaysPerGroup);
     const auto findWithResources = [&](std::string_view path) -> std::optional<std::string> {
         if (path == "shaders/resources.glsl") return resourceText(plan);
         return find(path);
@@ -21,18 +21,24 @@ ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const
     return composeShader(prelude, entry, findWithResources);
 }
 
-ShaderText variantText(const ResourcePlan& plan) {
-    const char* const entry = plan.kind == ShaderKind::Render ? "shaders/render.comp.glsl"
-                              : plan.features.scatteredRays   ? "shaders/query_scattered.comp.glsl"
-                                                              : "shaders/query.comp.glsl";
-    return variantText(plan, entry, embeddedShader);
+GpuPrograms CompilingPrograms::finish() {
+    GpuPrograms programs;
+    programs.trace = trace.finish();
+    if (shade) programs.shade = shade->finish();
+    return programs;
 }
 
-CompilingProgram startVariant(const ResourcePlan& plan) {
-    return CompilingProgram(variantText(plan));
+CompilingPrograms startVariant(const ResourcePlan& plan) {
+    const auto start = [&](const char* entry) {
+        return CompilingProgram(variantText(plan, entry, embeddedShader));
+    };
+    if (plan.kind == ShaderKind::Render)
+        return {start("shaders/trace.comp.glsl"), start("shaders/shade.comp.glsl")};
+    const bool scattered = plan.features.scatteredRays != 0;
+    return {start(scattered ? "shaders/query_scattered.comp.glsl" : "shaders/query.comp.glsl"), {}};
 }
 
-GlProgram compileVariant(const ResourcePlan& plan) {
+GpuPrograms compileVariant(const ResourcePlan& plan) {
     return startVariant(plan).finish();
 }
 

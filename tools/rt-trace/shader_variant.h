@@ -2,20 +2,30 @@
 #include "tools/rt-trace/gl_objects.h"
 #include "tools/rt-trace/shader_resources.h"
 
+#include <optional>
+
 namespace rt {
 
-// Work groups: a square of pixels, or a run of rays.
 inline constexpr unsigned kRaysPerGroup = 128;
 
-/// The entry shader of the plan's kind, shaders/render.comp.glsl or shaders/query.comp.glsl, for its
-/// features.
-ShaderText variantText(const ResourcePlan& plan);
-/// As variantText() with an entry shader that `find` knows.
+/// An entry shader that `find` knows, for the plan's features.
 ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find);
 
-/// Starts to compile variantText(plan).
-CompilingProgram startVariant(const ResourcePlan& plan);
-/// Compiles variantText(plan). Throws as compileComputeProgram() does.
-GlProgram compileVariant(const ResourcePlan& plan);
+/// The programs of one kind of work.
+struct GpuPrograms {
+    GlProgram trace; ///< rays of a query, or of a round of samples
+    GlProgram shade; ///< what samples' rays have met; only of a picture
+};
+/// They may go on being compiled while other commands follow.
+struct CompilingPrograms {
+    CompilingProgram trace;
+    std::optional<CompilingProgram> shade;
+    /// As CompilingProgram::finish().
+    GpuPrograms finish();
+};
+/// Starts to compile what the plan's kind and features want.
+CompilingPrograms startVariant(const ResourcePlan& plan);
+/// Throws as compileComputeProgram() does.
+GpuPrograms compileVariant(const ResourcePlan& plan);
 
 } // namespace rt

@@ -31,13 +31,16 @@ SlotLayout slotLayout(const SceneFeatures& f) {
     const bool manyJobs = f.hasOcclusion + f.lightCount + f.hasEnvironment > 1;
     const unsigned point = f.doublePrecision ? 2 : 1;
     layout.pointPlanes = point;
-    layout.flight = place(2 * point);
+    layout.firstHit = place(point);
     layout.color = place(1);
+    layout.albedo = place(f.hasAovs ? 1 : 0);
+    layout.work = place(f.hasAovs || f.countWork ? 2 : 0);
+    layout.resultPlanes = layout.planes;
+    layout.flight = place(2 * point);
+    layout.hit = place(point);
     layout.path = place(2);
     layout.arriving = place(tints ? 3 : 1);
     layout.lit = place(manyJobs ? 3 * point : 0);
-    layout.albedo = place(f.hasAovs ? 1 : 0);
-    layout.work = place(f.hasAovs || f.countWork ? 2 : 0);
     layout.stack = place(stackSize(f) * (2 * point + 2));
     return layout;
 }
@@ -47,17 +50,19 @@ std::string slotText(const SlotLayout& layout) {
         fmt::format("layout(location = {}) uniform uint stage;\n"
                     "layout(location = {}) uniform uint roundInGroup;\n"
                     "layout(std430, binding = {}) restrict buffer SlotBlock {{ uvec4 slots[]; }};\n"
-                    "layout(std430, binding = {}) restrict buffer RoundBlock {{ TraceRound rounds[]; }};\n"
-                    "layout(std430, binding = {}) restrict buffer QueueBlock {{ uint queue[]; }};\n"
+                    "layout(std430, binding = {}) restrict buffer RoundBlock {{ TraceRound rounds[{}]; uint "
+                    "queue[]; }};\n"
                     "const uint kPointPlanes = {}u;\n",
                     RT_LOCATION_STAGE, RT_LOCATION_ROUND, RT_BUFFER_SLOTS, RT_BUFFER_ROUNDS, RT_BUFFER_QUEUES,
                     layout.pointPlanes);
     const std::pair<const char*, unsigned> parts[] = {
-        {"Flight", layout.flight},     {"Color", layout.color}, {"Path", layout.path},
-        {"Arriving", layout.arriving}, {"Lit", layout.lit},     {"Albedo", layout.albedo},
-        {"Work", layout.work},         {"Stack", layout.stack}};
+        {"FirstHit", layout.firstHit}, {"Hit", layout.hit},       {"Flight", layout.flight},
+        {"Color", layout.color},       {"Path", layout.path},     {"Arriving", layout.arriving},
+        {"Lit", layout.lit},           {"Albedo", layout.albedo}, {"Work", layout.work},
+        {"Stack", layout.stack}};
     for (const auto& [name, plane] : parts) text += fmt::format("const uint kPlane{} = {}u;\n", name, plane);
-    return text;
+    return text + fmt::format("const uint kResultPlanes = {}u;\nconst uint kRecordPlanes = {}u;\n",
+                              layout.resultPlanes, layout.planes - layout.resultPlanes);
 }
 
 } // namespace rt

@@ -122,12 +122,12 @@ Traced trace(const TraceOptions& options, const GpuScene& scene, std::span<const
     GpuRays gpuRays(rays.size(), counting.features, context.limits());
     scene.atlas.bind();
     stages.begin("compile");
-    gpuRays.finishCompiling(scene.program);
+    gpuRays.finishCompiling(scene.programs.trace);
     stages.end();
     stages.add("firstDispatch", programMs());
     std::optional<GlProgram> countingProgram;
-    if (options.stats) countingProgram = compileVariant(counting);
-    return traceBatches(rays, gpuRays, {scene.program, countingProgram}, options.repeat,
+    if (options.stats) countingProgram = compileVariant(counting).trace;
+    return traceBatches(rays, gpuRays, {scene.programs.trace, countingProgram}, options.repeat,
                         context.device().software, stages);
 }
 

@@ -1,6 +1,5 @@
-// One round of the samples of a batch: each invocation traces one ray of one sample, adds the light that it finds, and leaves the
-// sample's next ray for the next round. The first round begins the samples; when no ray is left, one more dispatch adds them to
-// their pixels, in their order.
+// What follows from the hits of a round: each invocation adds the light that one sample's ray has found, and finds the sample's next
+// ray. When no sample has one left, one more dispatch adds all to their pixels, in their order.
 #include "formats/shared_types.shared.h"
 #include "formats/octahedral.shared.h"
 #include "formats/material.shared.h"
@@ -12,8 +11,6 @@
 #include "shaders/ray.glsl"
 #include "shaders/random.glsl"
 #include "shaders/texture.glsl"
-#include "shaders/intersect.glsl"
-#include "shaders/traverse.glsl"
 #include "shaders/surface.glsl"
 #include "shaders/reflectance.glsl"
 #include "shaders/environment.glsl"
@@ -23,6 +20,8 @@
 layout(local_size_x = RT_GROUP_X, local_size_y = 1) in;
 #include "shaders/lanes.glsl"
 #include "shaders/path.glsl"
+#include "shaders/queue.glsl"
+#include "shaders/batch.glsl"
 #include "shaders/shade.glsl"
 
 // Radiance at the end of a ray that meets no triangle.
@@ -119,31 +118,10 @@ bool follow(Hit hit, uvec2 pixel, uint index, Sampler random) {
     return flying;
 }
 
-// The pixels of a batch in blocks of 8x4, so that lanes see the same things; one sample of all of them after the other.
-struct Place {
-    uvec2 pixel;
-    uint index; // of the sample
-};
-
-uint blocksAcross() {
-    return (picture.region.z - picture.region.x + 7u) / 8u;
-}
-uint pixelSlots() { // with those of blocks that are not full
-    return blocksAcross() * ((picture.region.w - picture.region.y + 3u) / 4u) * 32u;
-}
-Place placeOf(uint s) {
-    uint inPicture = s % pixelSlots(), inBlock = inPicture % 32u, block = inPicture / 32u;
-    uvec2 at = uvec2(block % blocksAcross(), block / blocksAcross()) * uvec2(8u, 4u) + uvec2(inBlock % 8u, inBlock / 8u);
-    return Place(picture.region.xy + at, picture.samples.x + s / pixelSlots());
-}
-bool isInRegion(uvec2 pixel) {
-    return all(lessThan(pixel, picture.region.zw));
-}
-
 void beginSample(Place place) {
-    Ray primary = pixelRay(place.pixel, samplerOf(place.pixel, place.index));
-    fly(Pending(primary.origin, primary.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia));
+    path = Pending(flight.ray.origin, flight.ray.direction, vec3(1.0f), pixelWidth(), 0.0f, 0.0f, 0u, kNoTriangle, kNoMedia);
     pendingCount = 0u;
+    job = 0u;
     sampleColor = vec4(0.0f);
     sampleAlbedo = vec3(0.0f);
     if (place.index == 0u) storeFirstHit(place.pixel, vec4(0.0f), kNoTriangle, vec3(0.0f), vec2(0.0f));
@@ -151,27 +129,24 @@ void beginSample(Place place) {
 
 const float kCutShort = -1.0f; // as a sample's A
 
-void advance(bool first) {
-    Place place = placeOf(slot);
-    if (first && !isInRegion(place.pixel)) return;
-    work = WorkCounters(0u, 0u, 0u, 0u);
-    if (first) beginSample(place);
-    else loadFlight();
-    Hit hit = trace(flight.ray, flight.anyHit, work);
-    if (!first) loadState();
-    if (kCountWork && hit.triangle == flight.from && flight.from != kNoTriangle) work.selfHits += 1u;
-    bool goesOn = follow(hit, place.pixel, place.index, samplerOf(place.pixel, place.index));
-    if (kSoftware && walkCutShort) {
-        sampleColor.a = kCutShort;
-        goesOn = false;
+void shade(bool first) {
+    Place place = placeOf(sampleNumber);
+    Hit hit = loadHit(first);
+    if (first) {
+        flight = primaryFlight(place);
+        if (hit.triangle != kNoTriangle) slot = takeSlot();
+        beginSample(place);
+    } else {
+        loadState();
     }
-    if (!goesOn) {
-        storeSample();
-        return;
-    }
+    bool goesOn = false;
+    if (kSoftware && hit.triangle == kWalkCutShort) sampleColor.a = kCutShort;
+    else goesOn = follow(hit, place.pixel, place.index, samplerOf(place.pixel, place.index));
+    storeSample();
+    if (!goesOn) return;
+    enqueue();
     storeFlight();
     storeState();
-    enqueue();
 }
 
 // Adds a pixel's samples to what it has.
@@ -188,7 +163,7 @@ void resolve(uvec2 pixel) {
 #if RT_HAS_AOVS
     if (resumed) albedo = imageLoad(albedoImage, texel).rgb;
 #endif
-    for (uint i = 0u; i < picture.samples.y; ++i, slot += pixelSlots()) {
+    for (uint i = 0u; i < picture.samples.y; ++i, sampleNumber += pixelSlots()) {
         loadSample();
         cut = cut || sampleColor.a == kCutShort;
         color += sampleColor;
@@ -212,11 +187,14 @@ void resolve(uvec2 pixel) {
 }
 
 void main() {
-    slot = gl_GlobalInvocationID.x;
+    sampleNumber = gl_GlobalInvocationID.x;
     if (stage == kStageResolve) {
-        if (slot < pixelSlots() && isInRegion(placeOf(slot).pixel)) resolve(placeOf(slot).pixel);
+        if (isBegun(sampleNumber, 1u)) resolve(placeOf(sampleNumber).pixel);
     } else {
         bool first = stage == kStageBegin;
-        if (first ? slot < pixelSlots() * picture.samples.y : takeFromQueue()) advance(first);
+        if (first ? isBegun(sampleNumber, picture.samples.y) : takeFromQueue()) {
+            if (!first) loadFlight();
+            shade(first);
+        }
     }
 }
