@@ -53,8 +53,8 @@ std::string slotText(const SlotLayout& layout) {
                     "layout(std430, binding = {}) restrict buffer RoundBlock {{ TraceRound rounds[{}]; uint "
                     "queue[]; }};\n"
                     "const uint kPointPlanes = {}u;\n",
-                    RT_LOCATION_STAGE, RT_LOCATION_ROUND, RT_BUFFER_SLOTS, RT_BUFFER_ROUNDS, RT_BUFFER_QUEUES,
-                    layout.pointPlanes);
+                    RT_LOCATION_STAGE, RT_LOCATION_ROUND, RT_BUFFER_SLOTS, RT_BUFFER_ROUNDS,
+                    kRoundsInGroup + 1, layout.pointPlanes);
     const std::pair<const char*, unsigned> parts[] = {
         {"FirstHit", layout.firstHit}, {"Hit", layout.hit},       {"Flight", layout.flight},
         {"Color", layout.color},       {"Path", layout.path},     {"Arriving", layout.arriving},
