@@ -19,7 +19,7 @@ RT_SHARED_BEGIN
 #define RT_IMAGE_COUNTERS 3 // rgba32ui, where work is counted: see WorkCounters in shaders/ray.glsl
 #define RT_IMAGE_MOMENTS                                                                                     \
     4 // rg32f, where the error is estimated: sum of the luminance squared, of the luminance
-#define RT_IMAGE_ALBEDO 5   // rgba32f, where AOVs are wanted: sum of the albedo; A = 0
+#define RT_IMAGE_ALBEDO 5 // rgba32f, where AOVs are wanted: sum of the albedo; A: of the clock's ticks, or 0
 #define RT_IMAGE_POSITION 6 // rgba32f, where AOVs are wanted: P.xyz, world; A = 0
 #define RT_IMAGE_TEXCOORD 7 // rgba32f, where AOVs are wanted: U, V; sums of steps and tests of all rays
 // Storage buffers that are never split. Atlas arrays that may need several buffers take the numbers from

@@ -90,10 +90,22 @@ struct PixelWork {
     Sample one;
     vec4 color;
     vec2 moments;
-    vec3 albedo;
+    vec4 albedo; // a: clock ticks
     vec4 texcoord;
     WorkCounters work;
+#if RT_HAS_TIME
+    uvec2 begun;
+#endif
 };
+
+#if RT_HAS_TIME
+float ticksSince(uvec2 begun) {
+    uvec2 now = clock2x32ARB();
+    uint borrow;
+    uint low = usubBorrow(now.x, begun.x, borrow);
+    return 4294967296.0f * float(now.y - begun.y - borrow) + float(low);
+}
+#endif
 
 uint samplesBehind() { // the first that this dispatch does not take
     return picture.samples.x + (kMultisample ? picture.samples.y : 1u);
@@ -107,16 +119,19 @@ PixelWork resumePixel(uvec2 pixel) {
     bool resumed = p.index > 0u;
     p.color = resumed ? imageLoad(colorImage, texel) : vec4(0.0f);
     p.moments = vec2(0.0f);
-    p.albedo = vec3(0.0f);
+    p.albedo = vec4(0.0f);
     p.texcoord = vec4(0.0f);
 #if RT_HAS_MOMENTS
     if (resumed) p.moments = imageLoad(momentImage, texel).xy;
 #endif
 #if RT_HAS_AOVS
-    if (resumed) p.albedo = imageLoad(albedoImage, texel).rgb;
+    if (resumed) p.albedo = imageLoad(albedoImage, texel);
     if (resumed) p.texcoord = imageLoad(texcoordImage, texel);
 #endif
     p.work = WorkCounters(0u, 0u, 0u, 0u);
+#if RT_HAS_TIME
+    p.begun = clock2x32ARB();
+#endif
     return p;
 }
 
@@ -140,7 +155,7 @@ void endSample(inout PixelWork p) {
     p.color += p.one.color;
     float luminance = dot(p.one.color.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
     p.moments += vec2(luminance * luminance, luminance);
-    p.albedo += p.one.albedo;
+    p.albedo.rgb += p.one.albedo;
     if (p.index == 0u) {
         storeFirstHit(ivec2(p.pixel), p.one);
         p.texcoord.xy = p.one.texcoord;
@@ -154,8 +169,11 @@ void storePixel(PixelWork p) {
 #if RT_HAS_MOMENTS
     imageStore(momentImage, texel, vec4(p.moments, 0.0f, 0.0f));
 #endif
+#if RT_HAS_TIME
+    p.albedo.a += ticksSince(p.begun);
+#endif
 #if RT_HAS_AOVS
-    imageStore(albedoImage, texel, vec4(p.albedo, 0.0f));
+    imageStore(albedoImage, texel, p.albedo);
     imageStore(texcoordImage, texel, p.texcoord + vec4(0.0f, 0.0f, float(p.work.steps), float(p.work.tests)));
 #endif
 #if RT_COUNT_WORK

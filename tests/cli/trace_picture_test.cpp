@@ -36,6 +36,10 @@ protected:
     static void SetUpTestSuite() {
         folder = std::make_unique<test::TemporaryFolder>();
         Mesh mesh = test::makeSphere(3);
+        mesh.materials = std::vector<Material>(2, mesh.materials[0]);
+        std::vector<std::uint32_t> triangleMaterial(mesh.triangles.size());
+        for (std::uint32_t i = 0; i < triangleMaterial.size(); ++i) triangleMaterial[i] = i % 2;
+        mesh.triangleMaterial = std::move(triangleMaterial);
         mesh.cameras = std::vector<NamedCamera>{cameraNamed("front", kCameraPerspective, 5.0),
                                                 cameraNamed("plan view", kCameraOrthographic, 8.0)};
         writeMesh(folder->file("s.rtmesh"), mesh);
@@ -105,7 +109,7 @@ TEST_F(PictureCommand, ChannelsAreThoseThatWereAskedFor) {
     EXPECT_THAT(namesOf(render("some.exr", {"--aov", "uv,P"})),
                 testing::ElementsAre("A", "B", "G", "P.X", "P.Y", "P.Z", "R", "uv.U", "uv.V"));
     const Image all = render("all.exr", {"--aov", "all", "--spp", "4"});
-    EXPECT_EQ(all.channels.size(), 4u + 1 + 3 + 3 + 3 + 1 + 2 + 1 + 1 + 1);
+    EXPECT_EQ(all.channels.size(), 4u + 1 + 3 + 3 + 3 + 1 + 1 + 2 + 1 + 1 + 1);
     const std::size_t middle = 32 * 64 + 32;
     EXPECT_NEAR(all.find("albedo.R")->values[middle], all.find("albedo.G")->values[middle], 1e-6);
     EXPECT_GT(all.find("steps")->values[middle], 0.0f);
@@ -115,6 +119,38 @@ TEST_F(PictureCommand, ChannelsAreThoseThatWereAskedFor) {
     EXPECT_NEAR(std::sqrt(x * x + y * y + z * z), 1.0f, 0.02f) << "on the unit sphere";
     EXPECT_EQ(all.ints.at("samplesPerPixel"), 4);
     EXPECT_FALSE(render("one.exr", {"--aov", "all"}).find("variance")) << "one sample has no variance";
+}
+
+TEST_F(PictureCommand, MaterialsAreThoseOfTheTrianglesThatWereHit) {
+    const Image image = render("m.exr", {"--aov", "id,material"});
+    const ImageChannel& ids = *image.find("id");
+    const ImageChannel& materials = *image.find("material");
+    EXPECT_EQ(materials.type, ImageChannel::Type::Uint);
+    std::size_t none = 0;
+    for (std::size_t i = 0; i < ids.uints.size(); ++i) {
+        none += ids.uints[i] == 0xFFFFFFFFu;
+        ASSERT_EQ(materials.uints[i], ids.uints[i] == 0xFFFFFFFFu ? 0xFFFFFFFFu : ids.uints[i] % 2) << i;
+    }
+    EXPECT_GT(none, 0u);
+    EXPECT_LT(none, ids.uints.size());
+}
+
+// Medians: a pixel may be in the middle of its work when the system runs something else.
+TEST_F(PictureCommand, TimesArePixelsOwnAndNoPartOfAll) {
+    const CommandResult probe = trace({"-o", out.file("t.exr"), "--size", "8", "--heat", "time"});
+    if (probe.exitCode == 6) GTEST_SKIP() << probe.err;
+    const Image image = render("t.exr", {"--aov", "time,id", "--spp", "4"});
+    std::vector<float> hits, misses;
+    for (std::size_t i = 0; i < image.pixelCount(); ++i)
+        (image.find("id")->uints[i] == 0xFFFFFFFFu ? misses : hits).push_back(image.find("time")->values[i]);
+    const auto medianOf = [](std::vector<float>& values) {
+        std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+        return values[values.size() / 2];
+    };
+    EXPECT_GT(medianOf(misses), 0.0f);
+    EXPECT_GT(medianOf(hits), medianOf(misses));
+    EXPECT_GT(figures({"--size", "16", "--heat", "time"}).at("heatMost"), 0.0);
+    EXPECT_FALSE(render("all.exr", {"--aov", "all"}).find("time"));
 }
 
 TEST_F(PictureCommand, SeedsChangeTheNoiseAndNothingElseDoes) {

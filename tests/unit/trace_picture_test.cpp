@@ -86,6 +86,16 @@ TEST(PictureFiles, HeatIsRelativeToTheMostOrToWhatWasAsked) {
     EXPECT_NEAR(asked.colors[1].g, decodeSrgb(heatColor(0.5).g), 1e-6);
 }
 
+TEST(PictureFiles, HeatOfTimeIsThatOfTheClock) {
+    FilmPixels pixels{std::vector<glm::vec4>(200, glm::vec4(1.0f)), {}, {}};
+    pixels.albedos = std::vector<glm::vec4>(200, {9, 9, 9, 200});
+    pixels.albedos[0].a = 50.0f;
+    pixels.albedos[7].a = 1e7f; // interrupted
+    pixels.texcoords = std::vector<glm::vec4>(200, glm::vec4(1e9f));
+    EXPECT_EQ(paintHeat(pixels, Heat::Time, 0.0), 200.0);
+    EXPECT_NEAR(pixels.colors[0].g, decodeSrgb(heatColor(0.25).g), 1e-6);
+}
+
 TEST(FramePath, NumbersGoWhereTheNameSays) {
     EXPECT_EQ(framePath("a%d.exr", 7), "a7.exr");
     EXPECT_EQ(framePath("a%04d.exr", 7), "a0007.exr");

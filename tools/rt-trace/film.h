@@ -17,11 +17,12 @@ struct FilmPixels {
     std::vector<glm::vec4> colors;         ///< linear RGB; A = part of the samples that hit something
     std::vector<glm::vec4> surfaces;       ///< normal, and depth in world units, of the first sample
     std::vector<std::uint32_t> ids;        ///< triangle or kNoTriangle, of the first sample
-    std::vector<glm::vec4> albedos = {};   ///< rgb
+    std::vector<glm::vec4> albedos = {};   ///< rgb; a: ticks of the device's clock
     std::vector<glm::vec4> positions = {}; ///< xyz world, of the first sample
     std::vector<glm::vec4> texcoords = {}; ///< U, V of the first sample; steps and tests per sample
     std::vector<float> variances =
         {}; ///< of the mean of the luminance, estimated; 0 where there is one sample
+    std::vector<std::uint32_t> materials = {}; ///< see materialsOf()
 };
 
 /// Estimated from the sums of a value squared and of the value over so many samples; 0 for one sample.

@@ -17,7 +17,7 @@ struct FrameRange {
     unsigned first = 0, last = 0;
 };
 
-enum class Heat { None, Steps, Tests };
+enum class Heat { None, Steps, Tests, Time };
 
 /// What the command line of rt-trace asks for.
 struct TraceOptions {

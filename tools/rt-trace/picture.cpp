@@ -75,6 +75,8 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     runLoop(options, scene, view, film, identity, picture);
     stages.begin("readback");
     picture.pixels = film.read(options.window, picture.tiles.perPixel());
+    if (options.aovs & kAovMaterial)
+        picture.pixels.materials = materialsOf(picture.pixels.ids, scene.file.atlas.triangleVertices);
     stages.end();
     checkPixels(options, picture.pixels);
     if (options.stats) picture.work = countWork(options, scene.plan, context, view, picture.tiles);

@@ -25,6 +25,7 @@ constexpr unsigned kOpenSamples = 4096;     // where something else ends the pic
 // In the order of their constants.
 constexpr std::array<const char*, 4> kFilterNames = {"box", "tent", "gaussian", "blackman-harris"};
 constexpr std::array<double, 4> kFilterRadii = {0.5, 1.0, 1.5, 2.0};
+constexpr std::array<const char*, 3> kHeatNames = {"steps", "tests", "time"}; // from Heat::Steps on
 constexpr std::array<const char*, 4> kToneMapNames = {"none", "reinhard", "aces", "filmic"};
 
 struct AovName {
@@ -32,9 +33,10 @@ struct AovName {
     unsigned bit;
 };
 constexpr AovName kAovNames[] = {
-    {"Z", kAovDepth},       {"N", kAovNormal},    {"P", kAovPosition},
-    {"albedo", kAovAlbedo}, {"id", kAovId},       {"uv", kAovTexcoord},
-    {"steps", kAovSteps},   {"tests", kAovTests}, {"variance", kAovVariance},
+    {"Z", kAovDepth},           {"N", kAovNormal},    {"P", kAovPosition},
+    {"albedo", kAovAlbedo},     {"id", kAovId},       {"uv", kAovTexcoord},
+    {"steps", kAovSteps},       {"tests", kAovTests}, {"variance", kAovVariance},
+    {"material", kAovMaterial}, {"time", kAovTime},
 };
 
 [[noreturn]] void throwUsage(const std::string& message) {
@@ -79,8 +81,8 @@ unsigned parseAovs(const std::string& text) {
         const auto known = std::find_if(std::begin(kAovNames), std::end(kAovNames),
                                         [&](const AovName& aov) { return name == aov.name; });
         if (known == std::end(kAovNames))
-            throwUsage(fmt::format("--aov: '{}' is none of Z, N, P, albedo, id, uv, steps, tests, variance, "
-                                   "all, none",
+            throwUsage(fmt::format("--aov: '{}' is none of Z, N, P, albedo, id, material, uv, steps, tests, "
+                                   "time, variance, all, none",
                                    name));
         aovs |= known->bit;
         begin = end + 1;
@@ -250,8 +252,8 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
     const std::vector<CLI::Option*> added = {
         app.add_option(
                "--aov", texts.aovs,
-               "What an EXR holds beside the colours: Z, N, P, albedo, id, uv, steps, tests, variance; "
-               "or all, or none")
+               "What an EXR holds beside the colours: Z, N, P, albedo, id, material, uv, steps, tests, time, "
+               "variance; or all (but time, which differs from run to run), or none")
             ->type_name("LIST")
             ->capture_default_str(),
         app.add_option("--tonemap", texts.toneMap, "How bright colours fit into a PNG; an EXR stays linear")
@@ -263,10 +265,14 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
             ->type_name("STOPS")
             ->capture_default_str(),
         app.add_option("--heat", texts.heat,
-                       "Instead of the scene show what it costs: steps or triangle tests per pixel")
-            ->check(oneOf({"steps", "tests"}))
-            ->type_name("steps|tests"),
-        app.add_option("--heat-max", options.heatMost, "What --heat shows in yellow; else the picture's most")
+                       "Instead of the scene show what it costs: steps, triangle tests or ticks of the "
+                       "device's clock "
+                       "per pixel")
+            ->check(oneOf(listOf(kHeatNames)))
+            ->type_name(fmt::format("{}", fmt::join(kHeatNames, "|"))),
+        app.add_option("--heat-max", options.heatMost,
+                       "What --heat shows in yellow; else the picture's most, of times what 99 % of its "
+                       "pixels take at most")
             ->check(positive())
             ->type_name("N"),
         app.add_option(
@@ -343,7 +349,7 @@ void convertPictureTexts(const PictureTexts& texts, TraceOptions& options) {
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
     convertSamples(texts, options);
     options.toneMap = static_cast<ToneMap>(indexIn(kToneMapNames, texts.toneMap));
-    if (!texts.heat.empty()) options.heat = texts.heat == "steps" ? Heat::Steps : Heat::Tests;
+    if (!texts.heat.empty()) options.heat = static_cast<Heat>(1 + indexIn(kHeatNames, texts.heat));
     for (const double number : {options.environmentTurn, options.environmentStrength, options.exposureStops,
                                 options.occlusion, options.timeLimitSeconds, options.targetError})
         if (!std::isfinite(number)) throwUsage("'nan' and 'inf' are no numbers for an option");

@@ -52,6 +52,7 @@ PictureNeeds needsOf(const TraceOptions& options, const PictureSetup& setup) {
     needs.lens = setup.pose.lensRadius > 0.0;
     needs.multisample = options.samples > 1;
     needs.aovs = (options.aovs & kExtraAovs) != 0 || options.heat != Heat::None;
+    needs.time = (options.aovs & kAovTime) != 0 || options.heat == Heat::Time;
     needs.moments = (options.aovs & kAovVariance) != 0 || options.targetError > 0.0;
     return needs;
 }

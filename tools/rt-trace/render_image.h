@@ -4,6 +4,8 @@
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/film.h"
 
+#include <span>
+
 namespace rt {
 
 /// What a picture's channels and attributes say besides its pixels.
@@ -27,6 +29,10 @@ struct RenderRecord {
 /// forward. worldToNDC: (0, 0) at the top left of the picture, (1, 1) at the bottom right; z = 1 / depth, as
 /// there are no near and far planes, orthographic z = depth. A panorama has none.
 Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& record);
+
+/// Of each triangle of `ids` the material's index in the atlas; kNoTriangle stays what it is.
+std::vector<std::uint32_t> materialsOf(std::span<const std::uint32_t> ids,
+                                       std::span<const glm::uvec4> triangleVertices);
 
 /// Pixels of which R, G, B or Z is not a finite number.
 std::size_t countNonFinite(const FilmPixels& pixels);

@@ -44,6 +44,8 @@ std::span<const FeatureRow> featureTable() {
         {"RT_PIXEL_QUEUE", &SceneFeatures::pixelQueue,
          "a material in use transmits, so that pixels take very different numbers of rays; not on software"},
         {"RT_HAS_AOVS", &SceneFeatures::hasAovs, "channels beyond colour, N, Z and id were asked for"},
+        {"RT_HAS_TIME", &SceneFeatures::hasTime,
+         "the device's time was asked for, --heat time or --aov time"},
         {"RT_HAS_MOMENTS", &SceneFeatures::hasMoments, "the error is estimated"},
         {"RT_MAX_DEPTH", &SceneFeatures::maxDepth,
          "--max-depth, where a material in use reflects, transmits or stops part of the light only"},
@@ -107,6 +109,7 @@ SceneFeatures renderFeatures(const Atlas& atlas, const PictureNeeds& needs) {
     features.hasLens = needs.lens;
     features.multisample = needs.multisample;
     features.hasAovs = needs.aovs;
+    features.hasTime = needs.time;
     features.hasMoments = needs.moments;
     return features;
 }

@@ -36,6 +36,7 @@ struct SceneFeatures {
     unsigned multisample = 0;
     unsigned pixelQueue = 0;
     unsigned hasAovs = 0;
+    unsigned hasTime = 0; ///< with hasAovs only
     unsigned hasMoments = 0;
     unsigned maxDepth = 0;
 };
@@ -61,6 +62,7 @@ struct PictureNeeds {
     bool lens = false;
     bool multisample = false; ///< else one sample in the middle of each pixel
     bool aovs = false;
+    bool time = false; ///< with aovs only
     bool moments = false;
 };
 

@@ -8,14 +8,16 @@ namespace {
 constexpr const char* kSubgroupExtensions = "#extension GL_KHR_shader_subgroup_basic : require\n"
                                             "#extension GL_KHR_shader_subgroup_ballot : require\n";
 
+constexpr const char* kClockExtension = "#extension GL_ARB_shader_clock : require\n";
+
 } // namespace
 
 ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find) {
     const bool render = plan.kind == ShaderKind::Render;
-    const std::string prelude =
-        fmt::format("#version 450 core\n{}{}#define RT_GROUP_X {}\n#define RT_GROUP_Y {}\n",
-                    plan.features.subgroups ? kSubgroupExtensions : "", featureDefines(plan.features),
-                    render ? kGroupSide : kRaysPerGroup, render ? kGroupSide : 1);
+    const std::string prelude = fmt::format(
+        "#version 450 core\n{}{}{}#define RT_GROUP_X {}\n#define RT_GROUP_Y {}\n",
+        plan.features.subgroups ? kSubgroupExtensions : "", plan.features.hasTime ? kClockExtension : "",
+        featureDefines(plan.features), render ? kGroupSide : kRaysPerGroup, render ? kGroupSide : 1);
     const auto findWithResources = [&](std::string_view path) -> std::optional<std::string> {
         if (path == "shaders/resources.glsl") return resourceText(plan);
         return find(path);

@@ -59,6 +59,12 @@ std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, con
     return environment;
 }
 
+void requireClock(const PictureNeeds& needs, const GlLimits& limits) {
+    if (needs.time && !limits.shaderClock)
+        throw Error(ErrorKind::NoGpu, "the device has no clock that shaders can read (GL_ARB_shader_clock), "
+                                      "as --heat time and --aov time need; use another --device");
+}
+
 } // namespace
 
 void traceScene(const TraceOptions& given) {
@@ -71,9 +77,11 @@ void traceScene(const TraceOptions& given) {
         options.camera = cameraAt(path, options.frames->first, options.camera);
     }
     PictureSetup setup;
-    const auto choose = [&](const Atlas& atlas, const GlLimits&) -> SceneNeeds {
+    const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
         setup = setUpPicture(options, atlas);
-        return {renderFeatures(atlas, needsOf(options, setup)), static_cast<unsigned>(setup.lights.size())};
+        const PictureNeeds needs = needsOf(options, setup);
+        requireClock(needs, limits);
+        return {renderFeatures(atlas, needs), static_cast<unsigned>(setup.lights.size())};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
     if (options.explain) writeFile("-", explanation(scene.file.atlas, scene.plan));
