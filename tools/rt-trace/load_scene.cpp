@@ -9,6 +9,12 @@
 namespace rt {
 namespace {
 
+std::optional<ShaderCache> openCache(const TraceOptions& options, const GlLimits& limits) {
+    if (options.noShaderCache || !limits.programBinaries) return std::nullopt;
+    const std::optional<std::filesystem::path> folder = shaderCacheFolder();
+    return folder ? std::optional<ShaderCache>(*folder) : std::nullopt;
+}
+
 GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, ShaderKind kind,
                        const ChooseNeeds& choose, StageTimer& stages) {
     const std::string& name = options.scenePath;
@@ -27,7 +33,9 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
     scene.plan.features.countWork = 0;
     stages.begin("compile");
-    CompilingProgram program = startVariant(scene.plan);
+    scene.cache = openCache(options, limits);
+    CompilingProgram program = startVariant(scene.plan, scene.shaderCache());
+    scene.programFromCache = program.isFromCache();
     stages.begin("upload");
     scene.atlas = uploadAtlas(file.atlas, scene.plan, limits, needs.lightCount, name);
     stages.begin("compile");

@@ -3,6 +3,7 @@
 #include "formats/atlas_file.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/options.h"
+#include "tools/rt-trace/shader_cache.h"
 #include "tools/rt-trace/upload_atlas.h"
 
 #include <functional>
@@ -17,6 +18,10 @@ struct GpuScene {
     ResourcePlan plan;                  ///< of `program`
     GpuAtlas atlas;
     GlProgram program;
+    std::optional<ShaderCache> cache;
+    bool programFromCache = false;
+
+    const ShaderCache* shaderCache() const { return cache ? &*cache : nullptr; }
 };
 
 /// What a picture, or a set of rays, wants of an atlas.

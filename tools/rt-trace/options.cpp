@@ -70,6 +70,8 @@ void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) 
         ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}).description(""))
         ->type_name(fmt::format("{}", fmt::join(kIntersectNames, "|")))
         ->capture_default_str();
+    app.add_flag("--no-shader-cache", options.noShaderCache,
+                 "Compile anew, and keep nothing in ~/.cache/rt-tools (or $XDG_CACHE_HOME/rt-tools)");
     app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
 }
 

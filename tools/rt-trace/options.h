@@ -26,6 +26,7 @@ struct TraceOptions {
     bool listCameras = false;
     bool explain = false;
     std::string device = "auto";
+    bool noShaderCache = false;
     std::string scenePath;
     std::vector<std::string> outputPaths;
     bool stats = false;

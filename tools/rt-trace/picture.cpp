@@ -14,11 +14,12 @@ namespace rt {
 namespace {
 
 /// Takes the samples of `tiles` again with a variant that counts.
-WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
-                     const GpuView& view, const TileSamples& rendered) {
+WorkTotals countWork(const TraceOptions& options, const GpuScene& scene, const GpuView& view,
+                     const TileSamples& rendered) {
+    ResourcePlan plan = scene.plan;
     plan.features.countWork = 1;
-    const GlProgram program = compileVariant(plan);
-    const Film film(options.size, plan.features, context.limits());
+    const GlProgram program = compileVariant(plan, scene.shaderCache());
+    const Film film(options.size, plan.features, scene.context->limits());
     film.bind();
     TileSamples tiles = rendered;
     for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
@@ -27,7 +28,7 @@ WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlCon
     control.afterDispatch = [&](const TileSamples::Region& region) {
         totals += sumWork(film.readCounters(region.pixels));
     };
-    renderTiles(program, view, film, context, tiles, control);
+    renderTiles(program, view, film, *scene.context, tiles, control);
     return totals;
 }
 
@@ -79,7 +80,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
         picture.pixels.materials = materialsOf(picture.pixels.ids, scene.file.atlas.triangleVertices);
     stages.end();
     checkPixels(options, picture.pixels);
-    if (options.stats) picture.work = countWork(options, scene.plan, context, view, picture.tiles);
+    if (options.stats) picture.work = countWork(options, scene, view, picture.tiles);
     if (options.heat != Heat::None)
         picture.heatMost = paintHeat(picture.pixels, options.heat, options.heatMost);
     return picture;

@@ -34,6 +34,7 @@ void reportCommon(nlohmann::json& report, const GpuScene& scene, const StageTime
                        {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
                        {"triangles", grid.counts.x},
                        {"bytes", scene.file.fileBytes}};
+    report["shaderFromCache"] = scene.programFromCache;
     report["features"] = nlohmann::json::array();
     for (const FeatureRow& row : featureTable())
         report["features"].push_back(

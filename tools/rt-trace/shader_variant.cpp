@@ -32,12 +32,12 @@ ShaderText variantText(const ResourcePlan& plan) {
     return variantText(plan, entry, embeddedShader);
 }
 
-CompilingProgram startVariant(const ResourcePlan& plan) {
-    return CompilingProgram(variantText(plan));
+CompilingProgram startVariant(const ResourcePlan& plan, const ShaderCache* cache) {
+    return CompilingProgram(variantText(plan), cache);
 }
 
-GlProgram compileVariant(const ResourcePlan& plan) {
-    return startVariant(plan).finish();
+GlProgram compileVariant(const ResourcePlan& plan, const ShaderCache* cache) {
+    return startVariant(plan, cache).finish();
 }
 
 } // namespace rt

@@ -14,9 +14,9 @@ ShaderText variantText(const ResourcePlan& plan);
 /// As variantText() with an entry shader that `find` knows.
 ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find);
 
-/// Starts to compile variantText(plan).
-CompilingProgram startVariant(const ResourcePlan& plan);
+/// Starts to compile variantText(plan), or finds it in the cache.
+CompilingProgram startVariant(const ResourcePlan& plan, const ShaderCache* cache = nullptr);
 /// Compiles variantText(plan). Throws as compileComputeProgram() does.
-GlProgram compileVariant(const ResourcePlan& plan);
+GlProgram compileVariant(const ResourcePlan& plan, const ShaderCache* cache = nullptr);
 
 } // namespace rt

@@ -126,7 +126,7 @@ Traced trace(const TraceOptions& options, const GpuScene& scene, std::span<const
     stages.end();
     stages.add("firstDispatch", programMs());
     std::optional<GlProgram> countingProgram;
-    if (options.stats) countingProgram = compileVariant(counting);
+    if (options.stats) countingProgram = compileVariant(counting, scene.shaderCache());
     return traceBatches(rays, gpuRays, {scene.program, countingProgram}, options.repeat,
                         context.device().software, stages);
 }
