@@ -243,6 +243,12 @@ TEST_F(PictureCommand, CamerasOfTheSceneAreListedAndTaken) {
     EXPECT_EQ(list.exitCode, 0) << list.err;
     EXPECT_THAT(list.out, HasSubstr("front  perspective  fov 30"));
     EXPECT_THAT(list.out, HasSubstr("plan view  orthographic  height 4"));
+    const auto cameras = nlohmann::json::parse(trace({"--list-cameras", "--json", "-"}).out).at("cameras");
+    ASSERT_EQ(cameras.size(), 2u);
+    EXPECT_EQ(cameras[0].at("name"), "front");
+    EXPECT_EQ(cameras[0].at("fovDegrees"), 30.0);
+    EXPECT_EQ(cameras[1].at("projection"), "orthographic");
+    EXPECT_EQ(cameras[1].at("eye"), nlohmann::json({0.0, 0.0, 8.0}));
     const Image front = render("front.exr", {"--camera", "front"});
     EXPECT_NEAR(front.find("Z")->values[32 * 64 + 32], 4.0f, 0.02f);
     const Image moved = render("moved.exr", {"--camera", "front", "--eye", "0,0,7"});
@@ -260,7 +266,9 @@ TEST_F(PictureCommand, ExplainsWhatIsCompiledAndUploaded) {
     for (const char* text : {"RT_LIGHT_COUNT", "RT_MAX_DEPTH", "voxels", "uploaded", "skipped"})
         EXPECT_THAT(result.out, HasSubstr(text));
     EXPECT_EQ(out.entryCount(), 0u);
-    EXPECT_EQ(trace({"--explain", "--json", "-"}).exitCode, 2) << "both to standard output";
+    const auto json = nlohmann::json::parse(trace({"--explain", "--json", "-"}).out);
+    EXPECT_EQ(json.at("sections")[0].at("name"), "voxels");
+    EXPECT_FALSE(json.at("features").empty());
     const auto sections = figures({"--size", "8"}).at("sections");
     EXPECT_EQ(sections[0].at("name"), "voxels");
     EXPECT_EQ(sections[0].at("uploaded"), true);

@@ -409,6 +409,39 @@ TEST_F(TraceCommand, ListsDevicesWithTheirIndex) {
     EXPECT_THAT(result.out, HasSubstr("ware  "));
 }
 
+TEST_F(TraceCommand, ListsMayBeJson) {
+    const auto json = nlohmann::json::parse(trace({"--list-devices", "--json", "-"}).out);
+    ASSERT_FALSE(json.at("devices").empty());
+    const nlohmann::json& device = json.at("devices")[0];
+    EXPECT_EQ(device.at("index"), 0);
+    if (device.contains("problem")) return;
+    EXPECT_TRUE(device.at("renderer").is_string());
+    const bool told = device.at("memoryBytes").is_number();
+    EXPECT_TRUE(told || device.at("memoryBytes").is_null());
+    const std::string text = trace({"--list-devices", "--json", out.file("j")}).out;
+    EXPECT_THAT(text, HasSubstr(device.at("software") ? "memory of this machine" : told ? " MiB" : "memory"));
+    EXPECT_EQ(nlohmann::json::parse(test::readText(out.file("j"))).at("devices").size(),
+              json.at("devices").size());
+}
+
+TEST_F(TraceCommand, WhatDoesNotFitIntoTheDevicesMemoryIsForetold) {
+    const std::string size = "--size", most = "--max-gpu-memory";
+    expectFailure({atlas(), "-o", "OUT", size, "2048", most, "144M"}, 5, "the picture 144 MiB");
+    expectFailure({atlas(), "-o", "OUT", size, "2048", most, "100M"}, 5,
+                  "the limit is 100 MiB (--max-gpu-memory); lower --size");
+    expectFailure({atlas(), "-o", "OUT", size, "16", most, "10K"}, 5, "lower rt-grid's --resolution");
+    expectFailure({atlas(), "-o", "OUT", size, "16", most, "much"}, 2, "--max-gpu-memory");
+    spit(folder->file("rays"), std::string(100000 * 32, '\0'));
+    expectFailure({atlas(), "-o", "OUT", "--rays", folder->file("rays"), most, "4M"}, 5,
+                  "rays and hits 5 MiB");
+    ASSERT_EQ(
+        trace({atlas(), "-o", out.file("a.exr"), size, "16", most, "10M", "--json", out.file("j")}).exitCode,
+        0);
+    const auto bytes = nlohmann::json::parse(test::readText(out.file("j"))).at("gpuMemoryBytes");
+    EXPECT_GT(bytes, 16 * 16 * 36);
+    EXPECT_LT(bytes, 10 << 20);
+}
+
 TEST_F(TraceCommand, DevicesThatCannotBePrintedAre3) {
     const CommandResult result =
         test::runCommand({"/bin/sh", "-c", RT_BIN_DIR "/rt-trace --list-devices > /dev/full"});

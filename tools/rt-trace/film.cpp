@@ -32,6 +32,14 @@ std::size_t pixelsIn(const glm::uvec4& window) {
     return std::size_t(window.z - window.x) * (window.w - window.y);
 }
 
+std::vector<unsigned> unitsFor(const SceneFeatures& features) {
+    std::vector<unsigned> units = {RT_IMAGE_COLOR, RT_IMAGE_SURFACE, RT_IMAGE_ID};
+    if (features.countWork) units.push_back(RT_IMAGE_COUNTERS);
+    if (features.hasMoments) units.push_back(RT_IMAGE_MOMENTS);
+    if (features.hasAovs) units.insert(units.end(), {RT_IMAGE_ALBEDO, RT_IMAGE_POSITION, RT_IMAGE_TEXCOORD});
+    return units;
+}
+
 // Empty where the film has no such image.
 template <class T>
 std::vector<T> readImage(const std::array<GlTexture, 8>& images, unsigned unit, const glm::uvec4& window) {
@@ -63,16 +71,18 @@ Film::Film(glm::uvec2 size, const SceneFeatures& features, const GlLimits& limit
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("--size {}x{}: this device renders at most {}x{}", size.x, size.y,
                                 limits.textureSize2D, limits.textureSize2D));
-    std::vector<unsigned> units = {RT_IMAGE_COLOR, RT_IMAGE_SURFACE, RT_IMAGE_ID};
-    if (features.countWork) units.push_back(RT_IMAGE_COUNTERS);
-    if (features.hasMoments) units.push_back(RT_IMAGE_MOMENTS);
-    if (features.hasAovs) units.insert(units.end(), {RT_IMAGE_ALBEDO, RT_IMAGE_POSITION, RT_IMAGE_TEXCOORD});
-    for (const unsigned unit : units) {
+    for (const unsigned unit : unitsFor(features)) {
         const ImageFormat& format = kFormats[unit];
         images_[unit] = createTexture2D(format.stored, size.x, size.y);
         glClearTexImage(images_[unit].name(), 0, format.format, format.type, nullptr); // to 0
     }
     checkGl("clearing the film");
+}
+
+std::uint64_t Film::bytesFor(glm::uvec2 size, const SceneFeatures& features) {
+    std::uint64_t words = 0;
+    for (const unsigned unit : unitsFor(features)) words += kFormats[unit].words;
+    return std::uint64_t(size.x) * size.y * words * sizeof(std::uint32_t);
 }
 
 void Film::bind() const {

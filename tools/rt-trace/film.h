@@ -34,6 +34,8 @@ public:
     /// For the images that `features` name. Throws Error{LimitExceeded} for a size that the device does not
     /// allow.
     Film(glm::uvec2 size, const SceneFeatures& features, const GlLimits& limits);
+    /// What its images take on the device.
+    static std::uint64_t bytesFor(glm::uvec2 size, const SceneFeatures& features);
     void bind() const;
     /// Pixels of `window`, [xy, zw); `samples` has as many values: how many samples each pixel has.
     FilmPixels read(const glm::uvec4& window, std::span<const std::uint32_t> samples) const;

@@ -31,6 +31,9 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     needs.features.software = scene.context->device().software;
     if (kind == ShaderKind::Render) needs.features.pixelQueue = wantsPixelQueue(needs.features);
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
+    needs.memory.push_back({"the atlas", uploadedBytes(file.atlas, scene.plan), kSmallerAtlas});
+    scene.memoryBytes = sumOf(needs.memory);
+    requireGpuMemory(needs.memory, gpuMemoryLimit(scene.context->device(), options.maxGpuMemory), name);
     scene.plan.features.countWork = 0;
     stages.begin("compile");
     scene.cache = openCache(options, limits);

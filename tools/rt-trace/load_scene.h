@@ -20,6 +20,7 @@ struct GpuScene {
     GlProgram program;
     std::optional<ShaderCache> cache;
     bool programFromCache = false;
+    std::uint64_t memoryBytes = 0; ///< of the device, for the atlas and what comes beside it
 
     const ShaderCache* shaderCache() const { return cache ? &*cache : nullptr; }
 };
@@ -28,6 +29,7 @@ struct GpuScene {
 struct SceneNeeds {
     SceneFeatures features; ///< countWork: room for a variant that counts, beside the one that does not
     unsigned lightCount = 0;
+    std::vector<MemoryNeed> memory; ///< beside the atlas
 };
 /// Is given an atlas of which only the sizes are validated.
 using ChooseNeeds = std::function<SceneNeeds(const Atlas& atlas, const GlLimits& limits)>;

@@ -23,6 +23,7 @@ constexpr std::array<const char*, 3> kIntersectNames = {"watertight", "moller-tr
 struct OptionTexts {
     PictureTexts picture;
     std::string rayOrder = "auto";
+    std::string maxGpuMemory;
     std::string precision = "float";
     std::string intersect = kIntersectNames[0];
 };
@@ -70,6 +71,10 @@ void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) 
         ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}).description(""))
         ->type_name(fmt::format("{}", fmt::join(kIntersectNames, "|")))
         ->capture_default_str();
+    app.add_option("--max-gpu-memory", texts.maxGpuMemory,
+                   "Most that the device's memory is to hold; the scene and the picture are added up before "
+                   "anything is uploaded; else what the driver says is free")
+        ->type_name("SIZE[K|M|G]");
     app.add_flag("--no-shader-cache", options.noShaderCache,
                  "Compile anew, and keep nothing in ~/.cache/rt-tools (or $XDG_CACHE_HOME/rt-tools)");
     app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
@@ -88,6 +93,8 @@ void checkGroups(const CLI::App& app, const TraceOptions& options) {
 
 void convertTexts(const OptionTexts& texts, TraceOptions& options) {
     convertPictureTexts(texts.picture, options);
+    if (!texts.maxGpuMemory.empty())
+        options.maxGpuMemory = parseByteSize(texts.maxGpuMemory, "--max-gpu-memory");
     options.doublePrecision = texts.precision == "double";
     options.intersect = static_cast<unsigned>(
         std::find(kIntersectNames.begin(), kIntersectNames.end(), texts.intersect) - kIntersectNames.begin());
@@ -133,8 +140,10 @@ std::vector<std::string> outputsOf(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths)
         paths.push_back(options.frames ? framePath(path, options.frames->first).value_or(path) : path);
     if (!options.checkpointPath.empty()) paths.push_back(options.checkpointPath);
-    if (options.explain) paths.push_back("-");
     if (!options.common.jsonPath.empty()) paths.push_back(options.common.jsonPath);
+    // Whoever wants JSON on standard output gets nothing else there.
+    const bool text = options.explain || options.listDevices || options.listCameras;
+    if (text && options.common.jsonPath != "-") paths.push_back("-");
     return paths;
 }
 

@@ -27,6 +27,7 @@ struct TraceOptions {
     bool explain = false;
     std::string device = "auto";
     bool noShaderCache = false;
+    std::optional<std::uint64_t> maxGpuMemory; ///< bytes
     std::string scenePath;
     std::vector<std::string> outputPaths;
     bool stats = false;

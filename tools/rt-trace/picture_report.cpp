@@ -1,6 +1,5 @@
 #include "common/json_file.h"
 #include "common/log.h"
-#include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/picture.h"
 #include "tools/rt-trace/report.h"
 
@@ -23,13 +22,6 @@ nlohmann::json samplesToJson(const TraceOptions& options, const Picture& picture
             {"dispatches", picture.figures.dispatches},
             {"tiles", picture.tiles.tiles().size()},
             {"tilesStoppedByError", picture.figures.tilesStopped}};
-}
-
-nlohmann::json sectionsToJson(const GpuScene& scene) {
-    nlohmann::json sections = nlohmann::json::array();
-    for (const SectionUse& use : sectionUses(scene.file.atlas, scene.plan))
-        sections.push_back({{"name", use.name}, {"bytes", use.bytes}, {"uploaded", use.uploaded}});
-    return sections;
 }
 
 } // namespace
@@ -59,7 +51,7 @@ void reportPicture(const Picture& picture, const TraceOptions& options, const Gp
     report["gpuMs"] = picture.figures.gpuMs;
     report["earlierGpuMs"] = picture.earlierMs;
     report["samples"] = samplesToJson(options, picture);
-    report["sections"] = sectionsToJson(scene);
+    reportSections(report, scene);
     if (options.heat != Heat::None) report["heatMost"] = picture.heatMost;
     if (options.frames) report["frames"] = {options.frames->first, options.frames->last};
     if (picture.work) {

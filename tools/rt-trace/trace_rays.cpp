@@ -109,6 +109,7 @@ SceneFeatures featuresFor(const TraceOptions& options, const Atlas& atlas, std::
                                  ? limits.subgroups && areScattered(rays, atlas.grid)
                                  : options.rayOrder == RayOrder::Scattered;
     features.subgroups = features.scatteredRays && limits.subgroups;
+    features.doublePrecision = options.doublePrecision;
     features.countWork = options.stats;
     return features;
 }
@@ -158,7 +159,11 @@ void traceRays(const TraceOptions& options) {
     const SharedSpan<std::byte> rayBytes = readFile(options.raysPath, rayStream());
     const std::span<const QueryRay> rays = asRays(rayBytes, options.raysPath);
     const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
-        return {featuresFor(options, atlas, rays, limits)};
+        const SceneFeatures features = featuresFor(options, atlas, rays, limits);
+        return {features,
+                0,
+                {{"rays and hits", GpuRays::bytesFor(rays.size(), features, limits),
+                  "trace fewer rays at a time"}}};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Query, choose, stages);
     const Traced traced = trace(options, scene, rays, stages);

@@ -2,15 +2,18 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
+#include "common/json_file.h"
 #include "common/log.h"
 #include "tools/rt-trace/camera_path.h"
 #include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/picture.h"
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/picture_options.h"
+#include "tools/rt-trace/report.h"
 #include "tools/rt-trace/upload_environment.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace rt {
 namespace {
@@ -59,10 +62,29 @@ std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, con
     return environment;
 }
 
+// --stats makes a film of its own, beside the first.
+std::vector<MemoryNeed> memoryOf(const TraceOptions& options, const PictureSetup& setup,
+                                 const SceneFeatures& features) {
+    SceneFeatures counting = features;
+    counting.countWork = 1;
+    const std::uint64_t counted = options.stats ? Film::bytesFor(options.size, counting) : 0;
+    return {{"the picture", Film::bytesFor(options.size, features) + counted, "lower --size"},
+            {"the environment", GpuEnvironment::bytesFor(setup.environment), "scale --environment down"}};
+}
+
 void requireClock(const PictureNeeds& needs, const GlLimits& limits) {
     if (needs.time && !limits.shaderClock)
         throw Error(ErrorKind::NoGpu, "the device has no clock that shaders can read (GL_ARB_shader_clock), "
                                       "as --heat time and --aov time need; use another --device");
+}
+
+// Without a picture.
+void reportExplanation(const TraceOptions& options, const GpuScene& scene, const StageTimer& stages) {
+    if (options.common.jsonPath.empty()) return;
+    nlohmann::json report;
+    reportCommon(report, scene, stages);
+    reportSections(report, scene);
+    writeJson(options.common.jsonPath, report);
 }
 
 } // namespace
@@ -81,11 +103,13 @@ void traceScene(const TraceOptions& given) {
         setup = setUpPicture(options, atlas);
         const PictureNeeds needs = needsOf(options, setup);
         requireClock(needs, limits);
-        return {renderFeatures(atlas, needs), static_cast<unsigned>(setup.lights.size())};
+        const SceneFeatures features = renderFeatures(atlas, needs);
+        return {features, static_cast<unsigned>(setup.lights.size()), memoryOf(options, setup, features)};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
-    if (options.explain) writeFile("-", explanation(scene.file.atlas, scene.plan));
-    if (options.outputPaths.empty()) return;
+    if (options.explain && options.common.jsonPath != "-")
+        writeFile("-", explanation(scene.file.atlas, scene.plan));
+    if (options.outputPaths.empty()) return reportExplanation(options, scene, stages);
     const std::optional<GpuEnvironment> environment = uploadEnvironment(options, setup, scene);
     if (options.frames)
         makeFrames(options, path, scene, setup, stages);
