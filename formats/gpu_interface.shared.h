@@ -76,7 +76,7 @@ struct RenderParams {
                   // nothing does
     vec4 environment; // rgb factor of the environment's radiance; w its turn about +y, in turns
     vec4 filterSize;  // x radius of the reconstruction filter, pixels; yzw = 0
-    uvec4 size;       // width and height of the whole picture; zw = 0
+    uvec4 size;       // width and height of the whole picture; the pixel x, y that is the images' first
     uvec4 region;     // first pixel x, y of this dispatch; first pixel behind it x, y
     uvec4 samples;    // first sample of this dispatch, how many, seed, kind of filter kFilter...
 };

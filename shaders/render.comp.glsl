@@ -111,9 +111,13 @@ uint samplesBehind() { // the first that this dispatch does not take
     return picture.samples.x + (kMultisample ? picture.samples.y : 1u);
 }
 
+ivec2 texelOf(uvec2 pixel) {
+    return ivec2(pixel - picture.size.zw);
+}
+
 PixelWork resumePixel(uvec2 pixel) {
     PixelWork p;
-    ivec2 texel = ivec2(pixel);
+    ivec2 texel = texelOf(pixel);
     p.pixel = pixel;
     p.index = picture.samples.x;
     bool resumed = p.index > 0u;
@@ -157,14 +161,14 @@ void endSample(inout PixelWork p) {
     p.moments += vec2(luminance * luminance, luminance);
     p.albedo.rgb += p.one.albedo;
     if (p.index == 0u) {
-        storeFirstHit(ivec2(p.pixel), p.one);
+        storeFirstHit(texelOf(p.pixel), p.one);
         p.texcoord.xy = p.one.texcoord;
     }
     ++p.index;
 }
 
 void storePixel(PixelWork p) {
-    ivec2 texel = ivec2(p.pixel);
+    ivec2 texel = texelOf(p.pixel);
     imageStore(colorImage, texel, p.color);
 #if RT_HAS_MOMENTS
     imageStore(momentImage, texel, vec4(p.moments, 0.0f, 0.0f));
@@ -224,5 +228,5 @@ void main() {
         }
         beginSample(p);
     }
-    if (kSoftware && (walkCutShort || !over)) imageStore(idImage, ivec2(p.pixel), uvec4(kWalkCutShort));
+    if (kSoftware && (walkCutShort || !over)) imageStore(idImage, texelOf(p.pixel), uvec4(kWalkCutShort));
 }

@@ -1,4 +1,5 @@
 // rt-trace's pictures as a user makes them: parts, samples, channels, checkpoints, frames.
+#include "formats/checkpoint_file.h"
 #include "formats/image_exr.h"
 #include "formats/mesh_file.h"
 #include "tests/support/make_mesh.h"
@@ -175,6 +176,9 @@ TEST_F(PictureCommand, ResumedPicturesAreTheSameToTheBit) {
     EXPECT_EQ(bytesOf("resumed.exr"), bytesOf("whole.exr"));
     render("again.exr", with({"6", "--resume", out.file("c")}));
     EXPECT_EQ(bytesOf("again.exr"), bytesOf("whole.exr")) << "there was nothing left to do";
+    for (const char* const fewer : {"4", "1"})
+        expectUsage({"--size", "64", "--aov", "none", "--spp", fewer, "--resume", out.file("c")},
+                    "say --spp 6 or more");
 }
 
 TEST_F(PictureCommand, CheckpointsOfOtherPicturesAndDamagedOnesAreRefused) {
@@ -190,8 +194,18 @@ TEST_F(PictureCommand, CheckpointsOfOtherPicturesAndDamagedOnesAreRefused) {
     expectRefusal({"--spp", "4", "--size", "64x32"}, "its size is 64x64");
     expectRefusal({"--spp", "4", "--size", "64", "--crop", "0,0,9,9"}, "its part is 0,0,64,64");
     expectRefusal({"--spp", "4", "--size", "64", "--seed", "3"}, "its seed is 0");
-    expectRefusal({"--spp", "4", "--size", "64", "--fov", "50"}, "differ");
-    expectRefusal({"--spp", "4", "--size", "64", "--aov", "P"}, "differ");
+    const auto expectDifferent = [&](std::vector<std::string> arguments, const std::string& names) {
+        arguments.insert(arguments.begin(), {"--spp", "4", "--size", "64"});
+        expectRefusal(arguments, "these settings differ from what is asked for now: " + names + "\n");
+    };
+    expectDifferent({"--fov", "50", "--light", "1,2,3"}, "camera, lights");
+    expectDifferent({"--environment", "0.5", "--light", "1,2,3", "--ambient", "0.1"}, "lights, environment");
+    expectDifferent({"--ambient", "0.2"}, "ambient light");
+    expectDifferent({"--background", "0"}, "background");
+    expectDifferent({"--filter", "tent"}, "filter");
+    expectDifferent({"--precision", "double"}, "--precision or --intersect");
+    expectDifferent({"--aov", "P"}, "channels");
+    expectDifferent({"--target-error", "0.5"}, "--target-error, channels");
     std::string bytes = bytesOf("c");
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
     std::ofstream(out.file("c"), std::ios::binary) << bytes;
@@ -222,8 +236,11 @@ TEST_F(PictureCommand, AnInterruptedRunLeavesItsCheckpointAndNoPicture) {
     EXPECT_EQ(test::runCommand(saving).exitCode, 130);
     EXPECT_FALSE(std::filesystem::exists(out.file("a.exr")));
     ASSERT_TRUE(std::filesystem::exists(out.file("c")));
-    const Image image = render("b.exr", {"--spp", "2", "--resume", out.file("c")});
-    EXPECT_GE(image.ints.at("samplesPerPixel"), 2);
+    std::uint32_t most = 0;
+    for (const CheckpointTile& tile : readCheckpoint(out.file("c")).tiles)
+        most = std::max(most, tile.samples);
+    const Image image = render("b.exr", {"--spp", std::to_string(most + 1), "--resume", out.file("c")});
+    EXPECT_EQ(image.ints.at("samplesPerPixel"), static_cast<int>(most) + 1);
 }
 
 TEST_F(PictureCommand, TimeAndErrorEndAPicture) {
@@ -302,14 +319,79 @@ TEST_F(PictureCommand, FramesFollowTheirPath) {
     std::ofstream(out.file("path.json")) << R"([{"frame": 1, "eye": [0, 0, 4], "lookAt": [0, 0, 0]},
                {"frame": 3, "eye": [0, 0, 6], "lookAt": [0, 0, 0]}])";
     const CommandResult result = trace({"-o", out.file("f%02d.exr"), "--size", "16x16", "--frames", "1-3",
-                                        "--camera-path", out.file("path.json")});
+                                        "--camera-path", out.file("path.json"), "--json", out.file("j")});
     ASSERT_EQ(result.exitCode, 0) << result.err;
+    const auto frames = nlohmann::json::parse(test::readText(out.file("j"))).at("frames");
+    ASSERT_EQ(frames.size(), 3u);
+    EXPECT_EQ(frames[1].at("frame"), 2);
+    EXPECT_EQ(frames[1].at("camera").at("eye"), nlohmann::json({0.0, 0.0, 5.0}));
+    EXPECT_GT(frames[2].at("gpuMs"), 0.0);
     for (const auto& [name, depth] : {std::pair("f01.exr", 3.0f), {"f02.exr", 4.0f}, {"f03.exr", 5.0f}})
         EXPECT_NEAR(readExr(out.file(name)).find("Z")->values[8 * 16 + 8], depth, 0.05f) << name;
     const std::string path = out.file("path.json");
     expectUsage({"--frames", "1-3"}, "go together");
     expectUsage({"--frames", "1-3", "--camera-path", path}, "%d or %04d");
     expectUsage({"--frames", "3-1", "--camera-path", path}, "--frames");
+}
+
+TEST_F(PictureCommand, NamesWithNumbersNeedFrames) {
+    const CommandResult result = trace({"-o", out.file("x%d.exr"), "--size", "8"});
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_THAT(result.err, HasSubstr("x%d.exr: %d stands for the number of a frame"));
+    EXPECT_EQ(out.entryCount(), 0u);
+}
+
+TEST_F(PictureCommand, ASmallPartOfAHugePictureIsNoLargerThanThePart) {
+    const CommandResult result =
+        trace({"-o", out.file("part.exr"), "--size", "100000x100000", "--crop", "50000,50000,50020,50010"});
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    const Image part = readExr(out.file("part.exr"));
+    EXPECT_EQ(part.width, 20u);
+    EXPECT_EQ(part.frame, (ImageFrame{50000, 50000, 100000, 100000}));
+    for (const std::uint32_t id : part.find("id")->uints) EXPECT_EQ(id, part.find("id")->uints[0]);
+    expectUsage({"--size", "1048577x4"}, "more than 1048576 on a side");
+}
+
+TEST_F(PictureCommand, PixelsThatAreNotFiniteAreCounted) {
+    const auto count = [&](std::vector<std::string> arguments) -> std::uint64_t {
+        arguments.insert(arguments.begin(), {"--size", "16", "--spp", "4"});
+        return figures(arguments).at("nonFinitePixels");
+    };
+    EXPECT_EQ(count({}), 0u);
+    EXPECT_EQ(count({"--light", "0,0,9,1e30,1,1"}), 0u);
+    EXPECT_GT(count({"--background", "3e38"}), 50u) << "four samples are too much for a float";
+    expectUsage({"--background", "4e38"}, "--background: colours are 3.4e38 at most");
+    const CommandResult result =
+        trace({"-o", out.file("a.exr"), "--size", "16", "--spp", "4", "--background", "3e38"});
+    EXPECT_THAT(result.err, HasSubstr("pixels have channels that are no finite numbers"));
+}
+
+// Each would do nothing.
+TEST_F(PictureCommand, OptionsWithoutAnEffectAreUsage) {
+    expectUsage({"--focus", "3"}, "--focus needs --lens-radius");
+    expectUsage({"--camera", "front", "--focus", "3"}, "--focus needs --lens-radius");
+    expectUsage({"--height", "3"}, "--height needs --projection orthographic");
+    expectUsage({"--camera", "front", "--height", "3"}, "--height needs");
+    expectUsage({"--projection", "panorama", "--fov", "30"}, "--fov");
+    expectUsage({"--camera", "plan view", "--fov", "30"}, "--fov");
+    expectUsage({"--environment-strength", "2"}, "--environment-strength needs --environment");
+    expectUsage({"--environment-turn", "2"}, "--environment-turn needs --environment");
+    expectUsage({"--environment", "1", "--background", "0"}, "--background needs");
+    expectUsage({"--environment", "1", "--occlusion", "1"}, "--occlusion needs");
+    expectUsage({"--exposure", "1"}, "--exposure needs a .png");
+    expectUsage({"--tonemap", "aces"}, "--tonemap needs a .png");
+    expectUsage({"-o", out.file("h.png"), "--heat", "steps", "--tonemap", "aces"}, "--tonemap needs");
+    expectUsage({"--filter", "gaussian"}, "--filter needs more samples");
+    expectUsage({"--filter-radius", "2"}, "--filter-radius needs more samples");
+    expectUsage({"--list-devices"}, "--output does not go with --list-devices");
+    expectUsage({"--list-cameras"}, "--output does not go with --list-cameras");
+    const CommandResult result = trace({"-o", out.file("a.png"), "--aov", "P"});
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_THAT(result.err, HasSubstr("--aov needs an .exr"));
+    EXPECT_EQ(trace({"--list-cameras", "--size", "9"}).exitCode, 2);
+    EXPECT_EQ(
+        trace({"-o", out.file("lens.exr"), "--size", "8", "--lens-radius", "0.1", "--focus", "3"}).exitCode,
+        0);
 }
 
 TEST_F(PictureCommand, WrongNumbersAreUsage) {

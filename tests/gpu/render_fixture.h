@@ -48,7 +48,7 @@ inline Picture renderPicture(const GlContext& context, const Atlas& atlas, const
     params.background = glm::vec4(settings.background, 0.0f);
     params.ambient = glm::vec4(glm::vec3(settings.ambient), 0.0f);
     const GpuView view(cameraInAtlas(settings.pose, aspect, atlas.grid), params, lights);
-    const Film film(settings.size, features, context.limits());
+    const Film film({0, 0, settings.size}, features, context.limits());
     const GlProgram program = compileVariant(plan);
     gpuAtlas.bind();
     view.bind();

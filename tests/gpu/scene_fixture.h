@@ -151,7 +151,7 @@ public:
         params.samples = {0, 0, shot.seed, shot.filter};
         const GpuView view(cameraInAtlas(shot.pose, aspect, atlas_.grid), params, lights_,
                            plan_.features.pixelQueue != 0);
-        const Film film(shot.size, plan_.features, context_.limits());
+        const Film film({0, 0, shot.size}, plan_.features, context_.limits());
         bind(view, film);
         glUseProgram(program_.name());
         for (unsigned first = 0; first < shot.samples;) {

@@ -65,7 +65,7 @@ public:
         params.background = glm::vec4(kBackground, 0.0f);
         params.ambient = glm::vec4(glm::vec3(ambient_), 0.0f);
         const GpuView view(cameraInAtlas(pose, aspect, atlas_.grid), params, lights_);
-        const Film film(size, plan_.features, context_.limits());
+        const Film film({0, 0, size}, plan_.features, context_.limits());
         gpuAtlas_.bind();
         view.bind();
         film.bind();

@@ -2,8 +2,8 @@
 #include "formats/image.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/rt-trace/camera_path.h"
+#include "tools/rt-trace/frame_range.h"
 #include "tools/rt-trace/picture_files.h"
-#include "tools/rt-trace/picture_options.h"
 #include "tools/rt-trace/tone_map.h"
 
 #include <gmock/gmock.h>

@@ -80,19 +80,26 @@ void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) 
     app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
 }
 
-// Options of pictures and of ray queries do not mix.
+// Options of pictures and of ray queries do not mix, nor with lists.
 void checkGroups(const CLI::App& app, const TraceOptions& options) {
     const bool query = !options.raysPath.empty();
+    const char* const list = options.listDevices   ? "--list-devices"
+                             : options.listCameras ? "--list-cameras"
+                                                   : nullptr;
     for (const CLI::Option* option : app.get_options()) {
         const bool ofPictures = option->get_group().rfind(kPictureGroup, 0) == 0;
+        const bool makesSomething =
+            ofPictures || option->get_group() == kQueryGroup || option->get_name() == "--output";
+        if (list && makesSomething && option->count() > 0)
+            throw Error(ErrorKind::Usage, fmt::format("{} does not go with {}", option->get_name(), list));
         if (option->count() > 0 && (query ? ofPictures : option->get_group() == kQueryGroup))
             throw Error(ErrorKind::Usage, fmt::format("{} {} --rays", option->get_name(),
                                                       query ? "does not go with" : "needs"));
     }
 }
 
-void convertTexts(const OptionTexts& texts, TraceOptions& options) {
-    convertPictureTexts(texts.picture, options);
+void convertTexts(const CLI::App& app, const OptionTexts& texts, TraceOptions& options) {
+    convertPictureTexts(app, texts.picture, options);
     if (!texts.maxGpuMemory.empty())
         options.maxGpuMemory = parseByteSize(texts.maxGpuMemory, "--max-gpu-memory");
     options.doublePrecision = texts.precision == "double";
@@ -166,10 +173,10 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
     addCommonOptions(app, options.common,
                      fmt::format("libepoxy {}, OpenEXR {}", RT_EPOXY_VERSION, RT_OPENEXR_VERSION));
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
-    if (options.listDevices) return options;
     checkGroups(app, options);
+    if (options.listDevices) return options;
     checkDevice(options.device);
-    convertTexts(texts, options);
+    convertTexts(app, texts, options);
     checkPaths(options);
     return options;
 }

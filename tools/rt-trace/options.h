@@ -2,6 +2,7 @@
 #include "common/command_line.h"
 #include "tools/rt-trace/aovs.h"
 #include "tools/rt-trace/camera.h"
+#include "tools/rt-trace/frame_range.h"
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/ray_order.h"
 #include "tools/rt-trace/tone_map.h"
@@ -11,11 +12,6 @@
 #include <vector>
 
 namespace rt {
-
-/// Pictures of which the first and the last have these numbers.
-struct FrameRange {
-    unsigned first = 0, last = 0;
-};
 
 enum class Heat { None, Steps, Tests, Time };
 

@@ -1,6 +1,5 @@
 #include "tools/rt-trace/picture.h"
 
-#include "common/log.h"
 #include "tools/rt-trace/checkpoint.h"
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/render_image.h"
@@ -19,7 +18,7 @@ WorkTotals countWork(const TraceOptions& options, const GpuScene& scene, const G
     ResourcePlan plan = scene.plan;
     plan.features.countWork = 1;
     const GlProgram program = compileVariant(plan, scene.shaderCache());
-    const Film film(options.size, plan.features, scene.context->limits());
+    const Film film(options.window, plan.features, scene.context->limits());
     film.bind();
     TileSamples tiles = rendered;
     for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
@@ -46,12 +45,10 @@ void runLoop(const TraceOptions& options, const GpuScene& scene, const GpuView& 
     if (control.save) save(picture.figures.gpuMs);
 }
 
-void checkPixels(const TraceOptions& options, const FilmPixels& pixels) {
+void requireWholePixels(const TraceOptions& options, const FilmPixels& pixels) {
     requireWholeWalks(
         static_cast<std::size_t>(std::count(pixels.ids.begin(), pixels.ids.end(), kWalkCutShort)), "pixels",
         options.scenePath);
-    if (const std::size_t count = countNonFinite(pixels))
-        logWarning(fmt::format("{}: {} pixels are not finite", options.scenePath, count));
 }
 
 } // namespace
@@ -59,7 +56,7 @@ void checkPixels(const TraceOptions& options, const FilmPixels& pixels) {
 Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
                       StageTimer& stages) {
     const GlContext& context = *scene.context;
-    const Film film(options.size, scene.plan.features, context.limits());
+    const Film film(options.window, scene.plan.features, context.limits());
     const GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features.pixelQueue != 0);
     const PictureIdentity identity = identityOf(options, setup, scene.plan.features, scene.file.contentHash);
     Picture picture{{}, TileSamples(options.window, options.samples), {}};
@@ -79,7 +76,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     if (options.aovs & kAovMaterial)
         picture.pixels.materials = materialsOf(picture.pixels.ids, scene.file.atlas.triangleVertices);
     stages.end();
-    checkPixels(options, picture.pixels);
+    requireWholePixels(options, picture.pixels);
     if (options.stats) picture.work = countWork(options, scene, view, picture.tiles);
     if (options.heat != Heat::None)
         picture.heatMost = paintHeat(picture.pixels, options.heat, options.heatMost);

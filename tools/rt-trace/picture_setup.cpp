@@ -18,6 +18,7 @@ RenderParams renderParams(const TraceOptions& options, const GridParams& grid) {
     params.environment = glm::vec4(glm::vec3(static_cast<float>(options.environmentStrength)),
                                    static_cast<float>(options.environmentTurn / 360.0));
     params.filterSize.x = static_cast<float>(options.filterRadius);
+    params.size = {options.size, options.window.x, options.window.y};
     params.region = options.window;
     params.samples = {0, options.samples, options.seed, options.filter};
     return params;

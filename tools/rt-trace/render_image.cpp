@@ -142,15 +142,12 @@ std::vector<std::uint32_t> materialsOf(std::span<const std::uint32_t> ids,
     return materials;
 }
 
-std::size_t countNonFinite(const FilmPixels& pixels) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < pixels.colors.size(); ++i) {
-        const glm::vec4& color = pixels.colors[i];
-        const bool finite = std::isfinite(color.r) && std::isfinite(color.g) && std::isfinite(color.b) &&
-                            std::isfinite(pixels.surfaces[i].w);
-        if (!finite) ++count;
-    }
-    return count;
+std::size_t countNonFinite(const Image& image) {
+    std::vector<bool> bad(image.pixelCount());
+    for (const ImageChannel& channel : image.channels)
+        for (std::size_t i = 0; i < channel.values.size(); ++i)
+            if (!std::isfinite(channel.values[i])) bad[i] = true;
+    return static_cast<std::size_t>(std::count(bad.begin(), bad.end(), true));
 }
 
 } // namespace rt
