@@ -334,6 +334,18 @@ TEST_F(PictureCommand, FramesFollowTheirPath) {
     expectUsage({"--frames", "3-1", "--camera-path", path}, "--frames");
 }
 
+TEST_F(PictureCommand, LightsWithASizeAreSeen) {
+    for (const std::string light : {"sphere:0,0,3,0.5", "rectangle:0,0,3,0,0,9,1,1"}) {
+        const Image image =
+            render("l.exr", {"--light", light + ",2,3,4", "--eye", "0,0,6", "--look-at", "0,0,0"});
+        const std::size_t middle = 32 * 64 + 32;
+        EXPECT_EQ(image.find("R")->values[middle], 2.0f) << light;
+        EXPECT_EQ(image.find("B")->values[middle], 4.0f) << light;
+        EXPECT_EQ(image.find("id")->uints[middle], 0xFFFFFFFFu) << "a light is no triangle";
+    }
+    expectUsage({"--light", "sphere:0,0,3"}, "a sphere light has 4 numbers, or 7 with R,G,B, not 3");
+}
+
 TEST_F(PictureCommand, NamesWithNumbersNeedFrames) {
     const CommandResult result = trace({"-o", out.file("x%d.exr"), "--size", "8"});
     EXPECT_EQ(result.exitCode, 2);
@@ -382,6 +394,8 @@ TEST_F(PictureCommand, OptionsWithoutAnEffectAreUsage) {
     expectUsage({"--tonemap", "aces"}, "--tonemap needs a .png");
     expectUsage({"-o", out.file("h.png"), "--heat", "steps", "--tonemap", "aces"}, "--tonemap needs");
     expectUsage({"--filter", "gaussian"}, "--filter needs more samples");
+    EXPECT_EQ(trace({"-o", out.file("one.exr"), "--size", "8", "--spp", "1", "--filter", "tent"}).exitCode,
+              0);
     expectUsage({"--filter-radius", "2"}, "--filter-radius needs more samples");
     expectUsage({"--list-devices"}, "--output does not go with --list-devices");
     expectUsage({"--list-cameras"}, "--output does not go with --list-cameras");

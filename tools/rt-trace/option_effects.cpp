@@ -15,38 +15,39 @@ bool writes(const TraceOptions& options, ImageFileType type) {
                        [=](const std::string& path) { return imageFileType(path) == type; });
 }
 
-bool hasSamples(const TraceOptions& options) {
-    return options.samples > 1;
+// Whoever says --spp 1 knows: scripts say it to be quick.
+bool hasSamples(const CLI::App& app, const TraceOptions& options) {
+    return options.samples > 1 || app.get_option("--spp")->count() > 0;
 }
-bool hasEnvironment(const TraceOptions& options) {
+bool hasEnvironment(const CLI::App&, const TraceOptions& options) {
     return !options.environment.empty();
 }
-bool showsBackground(const TraceOptions& options) {
+bool showsBackground(const CLI::App&, const TraceOptions& options) {
     return options.environment.empty();
 }
-bool hasAmbient(const TraceOptions& options) {
+bool hasAmbient(const CLI::App&, const TraceOptions& options) {
     return options.ambient != glm::vec3(0.0f) || options.occlusion == 0.0;
 }
-bool isMapped(const TraceOptions& options) {
+bool isMapped(const CLI::App&, const TraceOptions& options) {
     return writes(options, ImageFileType::Png) && options.heat == Heat::None;
 }
-bool isToneMapped(const TraceOptions& options) {
-    return isMapped(options) || options.toneMap == ToneMap::None;
+bool isToneMapped(const CLI::App& app, const TraceOptions& options) {
+    return isMapped(app, options) || options.toneMap == ToneMap::None;
 }
-bool isExposed(const TraceOptions& options) {
-    return isMapped(options) || options.exposureStops == 0.0;
+bool isExposed(const CLI::App& app, const TraceOptions& options) {
+    return isMapped(app, options) || options.exposureStops == 0.0;
 }
-bool showsHeat(const TraceOptions& options) {
+bool showsHeat(const CLI::App&, const TraceOptions& options) {
     return options.heat != Heat::None;
 }
-bool hasChannels(const TraceOptions& options) {
+bool hasChannels(const CLI::App&, const TraceOptions& options) {
     return options.outputPaths.empty() || writes(options, ImageFileType::Exr);
 }
 
 // Those of the camera are in checkCamera(): some depend on what the scene says of it.
 struct EffectRule {
     const char* option;
-    bool (*hasEffect)(const TraceOptions&);
+    bool (*hasEffect)(const CLI::App&, const TraceOptions&);
     const char* needs;
 };
 constexpr EffectRule kRules[] = {
@@ -67,7 +68,7 @@ constexpr EffectRule kRules[] = {
 
 void requireEffect(const CLI::App& app, const TraceOptions& options) {
     for (const EffectRule& rule : kRules)
-        if (app.get_option(rule.option)->count() > 0 && !rule.hasEffect(options))
+        if (app.get_option(rule.option)->count() > 0 && !rule.hasEffect(app, options))
             throw Error(ErrorKind::Usage, fmt::format("{} needs {}", rule.option, rule.needs));
 }
 
