@@ -7,7 +7,7 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kCheckpointKind{{'\x89', 'R', 'T', 'C', 'H', 'K', 'P', '\n'}, 1, 0, "rt-trace checkpoint"};
+constexpr FileKind kCheckpointKind{{'\x89', 'R', 'T', 'C', 'H', 'K', 'P', '\n'}, 2, 0, "rt-trace checkpoint"};
 constexpr std::uint32_t kInfo = sectionId("INFO");
 constexpr std::uint32_t kTiles = sectionId("TILE");
 

@@ -7,17 +7,21 @@
 
 namespace rt {
 
+inline constexpr std::size_t kCheckpointSettings = 12;
+
 /// What an unfinished picture is one of.
 struct CheckpointInfo {
-    std::uint64_t atlasHash;    ///< content hash of the .rtatlas
-    std::uint64_t settingsHash; ///< of all that decides what the pixels become, but for how many samples
-    std::uint32_t size[2];      ///< of the whole picture
-    std::uint32_t window[4];    ///< [xy, zw): the part that is rendered
-    std::uint32_t samples;      ///< per pixel that were wanted
+    std::uint64_t atlasHash; ///< content hash of the .rtatlas
+    /// Hashes of all that decides what the pixels become, but for how many samples; the renderer says which
+    /// is of what.
+    std::uint64_t settings[kCheckpointSettings];
+    std::uint32_t size[2];   ///< of the whole picture
+    std::uint32_t window[4]; ///< [xy, zw): the part that is rendered
+    std::uint32_t samples;   ///< per pixel that were wanted
     std::uint32_t seed;
     double gpuMs; ///< spent so far
 };
-static_assert(sizeof(CheckpointInfo) == 56);
+static_assert(sizeof(CheckpointInfo) == 144);
 
 struct CheckpointTile {
     std::uint32_t samples;

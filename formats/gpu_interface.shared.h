@@ -19,7 +19,7 @@ RT_SHARED_BEGIN
 #define RT_IMAGE_COUNTERS 3 // rgba32ui, where work is counted: see WorkCounters in shaders/ray.glsl
 #define RT_IMAGE_MOMENTS                                                                                     \
     4 // rg32f, where the error is estimated: sum of the luminance squared, of the luminance
-#define RT_IMAGE_ALBEDO 5   // rgba32f, where AOVs are wanted: sum of the albedo; A = 0
+#define RT_IMAGE_ALBEDO 5 // rgba32f, where AOVs are wanted: sum of the albedo; A: of the clock's ticks, or 0
 #define RT_IMAGE_POSITION 6 // rgba32f, where AOVs are wanted: P.xyz, world; A = 0
 #define RT_IMAGE_TEXCOORD 7 // rgba32f, where AOVs are wanted: U, V; sums of steps and tests of all rays
 // Storage buffers that are never split. Atlas arrays that may need several buffers take the numbers from
@@ -78,7 +78,7 @@ struct RenderParams {
                   // nothing does
     vec4 environment; // rgb factor of the environment's radiance; w its turn about +y, in turns
     vec4 filterSize;  // x radius of the reconstruction filter, pixels; yzw = 0
-    uvec4 size;       // width and height of the whole picture; zw = 0
+    uvec4 size;       // width and height of the whole picture; the pixel x, y that is the images' first
     uvec4 region;     // first pixel x, y of this dispatch; first pixel behind it x, y
     uvec4 samples;    // first sample of this dispatch, how many, seed, kind of filter kFilter...
     uvec4 slots;      // x how many samples there is room for; yzw = 0

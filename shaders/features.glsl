@@ -78,6 +78,9 @@
 #ifndef RT_HAS_AOVS
 #error "RT_HAS_AOVS is not defined"
 #endif
+#ifndef RT_HAS_TIME
+#error "RT_HAS_TIME is not defined"
+#endif
 #ifndef RT_HAS_MOMENTS
 #error "RT_HAS_MOMENTS is not defined"
 #endif
@@ -111,6 +114,7 @@ const uint kView = uint(RT_VIEW);
 const bool kHasLens = RT_HAS_LENS != 0;
 const bool kMultisample = RT_MULTISAMPLE != 0;
 const bool kHasAovs = RT_HAS_AOVS != 0;
+const bool kHasTime = RT_HAS_TIME != 0; // reads the device's clock
 const bool kHasMoments = RT_HAS_MOMENTS != 0;
 const uint kMaxDepth = uint(RT_MAX_DEPTH);
 const bool kHasLights = RT_LIGHT_COUNT != 0;

@@ -211,3 +211,25 @@ void loadState() {
     path.direction = flight.ray.direction;
     if (flight.shadow && kManyJobs) loadLit();
 }
+
+// Ticks of the device's clock that a sample takes, those of lanes beside it in part.
+#if RT_HAS_TIME
+#define Clock uvec2
+Clock readClock() {
+    return clock2x32ARB();
+}
+void addTime(Clock begun, bool first) {
+    Clock now = clock2x32ARB();
+    uint borrow;
+    uint low = usubBorrow(now.x, begun.x, borrow);
+    float ticks = 4294967296.0f * float(now.y - begun.y - borrow) + float(low);
+    if (!first) ticks += uintBitsToFloat(loadWords(kPlaneTime).x);
+    storeWords(kPlaneTime, uvec4(floatBitsToUint(ticks), 0u, 0u, 0u));
+}
+#else
+#define Clock uint
+Clock readClock() {
+    return 0u;
+}
+void addTime(Clock begun, bool first) {}
+#endif

@@ -32,13 +32,17 @@ vec3 skyRadiance(Pending ray) {
     return environmentRadiance(direction) * share;
 }
 
+ivec2 texelOf(uvec2 pixel) {
+    return ivec2(pixel - picture.size.zw);
+}
+
 // What a pixel's first sample sees.
 void storeFirstHit(uvec2 pixel, vec4 normalAndDepth, uint id, vec3 position, vec2 texcoord) {
-    imageStore(surfaceImage, ivec2(pixel), normalAndDepth);
-    imageStore(idImage, ivec2(pixel), uvec4(id));
+    imageStore(surfaceImage, texelOf(pixel), normalAndDepth);
+    imageStore(idImage, texelOf(pixel), uvec4(id));
 #if RT_HAS_AOVS
-    imageStore(positionImage, ivec2(pixel), vec4(position, 0.0f));
-    imageStore(texcoordImage, ivec2(pixel), vec4(texcoord, 0.0f, 0.0f));
+    imageStore(positionImage, texelOf(pixel), vec4(position, 0.0f));
+    imageStore(texcoordImage, texelOf(pixel), vec4(texcoord, 0.0f, 0.0f));
 #endif
 }
 
@@ -151,17 +155,17 @@ void shade(bool first) {
 
 // Adds a pixel's samples to what it has.
 void resolve(uvec2 pixel) {
-    ivec2 texel = ivec2(pixel);
+    ivec2 texel = texelOf(pixel);
     bool resumed = picture.samples.x > 0u, cut = false;
     vec4 color = resumed ? imageLoad(colorImage, texel) : vec4(0.0f);
     vec2 moments = vec2(0.0f);
-    vec3 albedo = vec3(0.0f);
+    vec4 albedo = vec4(0.0f); // A: clock ticks
     uvec4 counted = uvec4(0u);
 #if RT_HAS_MOMENTS
     if (resumed) moments = imageLoad(momentImage, texel).xy;
 #endif
 #if RT_HAS_AOVS
-    if (resumed) albedo = imageLoad(albedoImage, texel).rgb;
+    if (resumed) albedo = imageLoad(albedoImage, texel);
 #endif
     for (uint i = 0u; i < picture.samples.y; ++i, sampleNumber += pixelSlots()) {
         loadSample();
@@ -169,7 +173,8 @@ void resolve(uvec2 pixel) {
         color += sampleColor;
         float luminance = dot(sampleColor.rgb, vec3(0.2126f, 0.7152f, 0.0722f));
         moments += vec2(luminance * luminance, luminance);
-        if (kHasAovs) albedo += sampleAlbedo;
+        if (kHasAovs) albedo.rgb += sampleAlbedo;
+        if (kHasTime) albedo.a += uintBitsToFloat(loadWords(kPlaneTime).x);
         if (kCountWork) counted += loadWords(kPlaneWork);
     }
     imageStore(colorImage, texel, color);
@@ -177,7 +182,7 @@ void resolve(uvec2 pixel) {
     imageStore(momentImage, texel, vec4(moments, 0.0f, 0.0f));
 #endif
 #if RT_HAS_AOVS
-    imageStore(albedoImage, texel, vec4(albedo, 0.0f));
+    imageStore(albedoImage, texel, albedo);
     imageStore(texcoordImage, texel, imageLoad(texcoordImage, texel) + vec4(0.0f, 0.0f, vec2(counted.yz)));
 #endif
 #if RT_COUNT_WORK
@@ -193,8 +198,10 @@ void main() {
     } else {
         bool first = stage == kStageBegin;
         if (first ? isBegun(sampleNumber, picture.samples.y) : takeFromQueue()) {
+            Clock begun = readClock();
             if (!first) loadFlight();
             shade(first);
+            addTime(begun, false);
         }
     }
 }

@@ -30,6 +30,7 @@ void main() {
     sampleNumber = gl_GlobalInvocationID.x;
     bool first = stage == kStageBegin;
     if (!(first ? isBegun(sampleNumber, picture.samples.y) : takeFromQueue())) return;
+    Clock begun = readClock();
     if (first) flight = primaryFlight(placeOf(sampleNumber));
     else loadFlight();
     WorkCounters work = WorkCounters(0u, 0u, 0u, 0u);
@@ -38,4 +39,5 @@ void main() {
     if (kSoftware && walkCutShort) hit.triangle = kWalkCutShort;
     storeHit(first, hit);
     if (kCountWork) countWork(first, work);
+    addTime(begun, first);
 }

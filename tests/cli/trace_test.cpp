@@ -2,6 +2,7 @@
 #include "formats/atlas_file.h"
 #include "formats/image_exr.h"
 #include "formats/mesh_file.h"
+#include "formats/shader_binary_file.h"
 #include "tests/support/make_mesh.h"
 #include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <sys/stat.h>
 
 namespace rt {
 namespace {
@@ -312,6 +314,90 @@ TEST_F(TraceCommand, AnOutputThatCannotBeWrittenLeavesNoOtherOneBehind) {
     expectFailure({atlas(), "-o", "OUT", "--json", out.file("no/folder/a.json"), "--size", "8"}, 3, "a.json");
 }
 
+// Runs of one picture with a cache of shaders of their own.
+class ShaderCacheCommand : public TraceCommand {
+protected:
+    // What the report says of the cache; the picture is to be the same each time.
+    bool fromCache(std::vector<std::string> options = {}, const std::string& environment = "UNUSED=1") {
+        std::vector<std::string> command = {"/usr/bin/env",
+                                            "XDG_CACHE_HOME=" + out.file("cache"),
+                                            "RT_NO_SHADER_CACHE=",
+                                            environment,
+                                            RT_BIN_DIR "/rt-trace",
+                                            atlas(),
+                                            "-o",
+                                            out.file("a.exr"),
+                                            "--size",
+                                            "16",
+                                            "--reproducible",
+                                            "--json",
+                                            out.file("j")};
+        command.insert(command.end(), options.begin(), options.end());
+        const CommandResult result = test::runCommand(command);
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        const std::string picture = test::readText(out.file("a.exr"));
+        EXPECT_EQ(picture, first.empty() ? picture : first);
+        first = picture;
+        return nlohmann::json::parse(test::readText(out.file("j"))).at("shaderFromCache");
+    }
+    std::vector<std::string> files() const {
+        std::vector<std::string> paths;
+        std::error_code absent;
+        for (const auto& entry : std::filesystem::directory_iterator(out.file("cache/rt-tools"), absent))
+            paths.push_back(entry.path().string());
+        return paths;
+    }
+    std::string first;
+};
+
+TEST_F(ShaderCacheCommand, ShadersAreCompiledOnceAndDrawTheSame) {
+    EXPECT_FALSE(fromCache({"--no-shader-cache"}));
+    EXPECT_FALSE(fromCache({}, "RT_NO_SHADER_CACHE=1"));
+    EXPECT_EQ(files().size(), 0u);
+    EXPECT_FALSE(fromCache());
+    if (files().empty()) GTEST_SKIP() << "the driver gives no binaries out";
+    EXPECT_TRUE(fromCache());
+    EXPECT_FALSE(fromCache({"--no-shader-cache"}));
+    EXPECT_EQ(files().size(), 1u);
+    EXPECT_TRUE(fromCache({"--stats"})); // its second shader is kept too
+    EXPECT_EQ(files().size(), 2u);
+}
+
+TEST_F(ShaderCacheCommand, DamagedAndForeignFilesAreReplaced) {
+    EXPECT_FALSE(fromCache());
+    if (files().empty()) GTEST_SKIP() << "the driver gives no binaries out";
+    const std::string path = files().at(0);
+    const std::string whole = test::readText(path);
+    std::string flipped = whole;
+    flipped[whole.size() / 2] = static_cast<char>(flipped[whole.size() / 2] ^ 1);
+    ShaderBinary foreign = readShaderBinary(path);
+    foreign.bytes = std::vector<std::byte>(foreign.bytes.size()); // whole, but no driver's
+    writeShaderBinary(out.file("foreign"), foreign);
+    ShaderBinary another = readShaderBinary(path);
+    another.key ^= 1;
+    writeShaderBinary(out.file("another"), another);
+    for (const std::string& bytes :
+         {std::string(), whole.substr(0, whole.size() / 2), flipped, test::readText(out.file("foreign")),
+          test::readText(out.file("another"))}) {
+        spit(path, bytes);
+        EXPECT_FALSE(fromCache());
+        EXPECT_EQ(test::readText(path), whole);
+        EXPECT_TRUE(fromCache());
+    }
+    std::filesystem::remove(path);
+    ASSERT_EQ(mkfifo(path.c_str(), 0600), 0) << "reading it would never end";
+    EXPECT_FALSE(fromCache());
+}
+
+TEST_F(ShaderCacheCommand, WithoutAFolderNothingIsKept) {
+    spit(out.file("cache"), "no folder");
+    EXPECT_FALSE(fromCache({}, "HOME=" + out.file("cache")));
+    EXPECT_FALSE(fromCache({}, "HOME="));
+    EXPECT_FALSE(fromCache({}, "HOME=" + out.file("home")));
+    const bool kept = fromCache({}, "HOME=" + out.file("home"));
+    EXPECT_EQ(kept, std::filesystem::exists(out.file("home/.cache/rt-tools"))) << "the second choice";
+}
+
 TEST_F(TraceCommand, DevicesThatDoNotExistAre6) {
     expectFailure({atlas(), "-o", "OUT", "--device", "999"}, 6, "--device 999");
 }
@@ -321,6 +407,39 @@ TEST_F(TraceCommand, ListsDevicesWithTheirIndex) {
     EXPECT_EQ(result.exitCode, 0) << result.err;
     EXPECT_EQ(result.out.substr(0, 3), "0  ");
     EXPECT_THAT(result.out, HasSubstr("ware  "));
+}
+
+TEST_F(TraceCommand, ListsMayBeJson) {
+    const auto json = nlohmann::json::parse(trace({"--list-devices", "--json", "-"}).out);
+    ASSERT_FALSE(json.at("devices").empty());
+    const nlohmann::json& device = json.at("devices")[0];
+    EXPECT_EQ(device.at("index"), 0);
+    if (device.contains("problem")) return;
+    EXPECT_TRUE(device.at("renderer").is_string());
+    const bool told = device.at("memoryBytes").is_number();
+    EXPECT_TRUE(told || device.at("memoryBytes").is_null());
+    const std::string text = trace({"--list-devices", "--json", out.file("j")}).out;
+    EXPECT_THAT(text, HasSubstr(device.at("software") ? "memory of this machine" : told ? " MiB" : "memory"));
+    EXPECT_EQ(nlohmann::json::parse(test::readText(out.file("j"))).at("devices").size(),
+              json.at("devices").size());
+}
+
+TEST_F(TraceCommand, WhatDoesNotFitIntoTheDevicesMemoryIsForetold) {
+    const std::string size = "--size", most = "--max-gpu-memory";
+    expectFailure({atlas(), "-o", "OUT", size, "2048", most, "144M"}, 5, "the picture 144 MiB");
+    expectFailure({atlas(), "-o", "OUT", size, "2048", most, "100M"}, 5,
+                  "the limit is 100 MiB (--max-gpu-memory); lower --size");
+    expectFailure({atlas(), "-o", "OUT", size, "16", most, "10K"}, 5, "lower rt-grid's --resolution");
+    expectFailure({atlas(), "-o", "OUT", size, "16", most, "much"}, 2, "--max-gpu-memory");
+    spit(folder->file("rays"), std::string(100000 * 32, '\0'));
+    expectFailure({atlas(), "-o", "OUT", "--rays", folder->file("rays"), most, "4M"}, 5,
+                  "rays and hits 5 MiB");
+    ASSERT_EQ(
+        trace({atlas(), "-o", out.file("a.exr"), size, "16", most, "10M", "--json", out.file("j")}).exitCode,
+        0);
+    const auto bytes = nlohmann::json::parse(test::readText(out.file("j"))).at("gpuMemoryBytes");
+    EXPECT_GT(bytes, 16 * 16 * 36);
+    EXPECT_LT(bytes, 10 << 20);
 }
 
 TEST_F(TraceCommand, DevicesThatCannotBePrintedAre3) {

@@ -49,7 +49,7 @@ inline Picture renderPicture(const GlContext& context, const Atlas& atlas, const
     params.ambient = glm::vec4(glm::vec3(settings.ambient), 0.0f);
     GpuView view(cameraInAtlas(settings.pose, aspect, atlas.grid), params, lights, features,
                  context.limits());
-    const Film film(settings.size, features, context.limits());
+    const Film film({0, 0, settings.size}, features, context.limits());
     const GpuPrograms programs = compileVariant(plan);
     gpuAtlas.bind();
     view.bind();

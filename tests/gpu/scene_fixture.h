@@ -81,6 +81,7 @@ inline Material glass(float index, const glm::vec3& color = glm::vec3(1.0f)) {
 struct SceneSettings {
     std::vector<Light> lights = {};  ///< world space
     EnvironmentMap environment = {}; ///< none if it has no pixels
+    float ambient = 0.0f;
     unsigned maxDepth = 8;
     unsigned view = kPerspectiveView;
     bool lens = false;
@@ -145,12 +146,13 @@ public:
         const double aspect = double(shot.size.x) / shot.size.y;
         RenderParams params = wholePicture(shot.size);
         params.background = glm::vec4(shot.background, 0.0f);
+        params.ambient = glm::vec4(glm::vec3(settings_.ambient), 0.0f);
         params.environment = glm::vec4(glm::vec3(1.0f), shot.environmentTurn);
         params.filterSize.x = shot.filterRadius;
         params.samples = {0, 0, shot.seed, shot.filter};
         GpuView view(cameraInAtlas(shot.pose, aspect, atlas_.grid), params, lights_, plan_.features,
                      context_.limits());
-        const Film film(shot.size, plan_.features, context_.limits());
+        const Film film({0, 0, shot.size}, plan_.features, context_.limits());
         bind(view, film);
         for (unsigned first = 0; first < shot.samples;) {
             const unsigned count = std::min(shot.samplesPerDispatch, shot.samples - first);

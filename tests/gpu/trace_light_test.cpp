@@ -1,5 +1,6 @@
 // Lights of all kinds, shadows and the environment against closed forms.
 #include "tests/gpu/scene_fixture.h"
+#include "tools/rt-trace/parse_light.h"
 
 #include <glm/trigonometric.hpp>
 
@@ -70,6 +71,24 @@ TEST_F(Lighting, ASpotFadesBetweenItsTwoAngles) {
         EXPECT_TRUE(isNear(seen(scene, {2.0 * std::tan(angle), 0, 0}),
                            kColor * (fading * kAlbedo / kPi * cosine / (distance * distance)), 5e-4))
             << degrees << " degrees";
+    }
+}
+
+// Lights of the command line that say no colour: a surface that faces them from the scene's centre gets the
+// same from each.
+TEST_F(Lighting, TheUsualIntensityIsThatOfAWhiteSurfaceAtTheScenesCentre) {
+    Atlas world;
+    world.grid.worldOffset = glm::vec4(0.0f, 0.0f, 0.0f, 1.0f);
+    const BoundsD bounds{{-4, -4, 0}, {4, 4, 0}};
+    for (const char* const text : {"0,0,5", "directional:0,0,-2", "spot:0,0,5,0,0,0,20,10",
+                                   "rectangle:0,0,5,0,0,0,0.1,0.05", "sphere:0,0,5,2"}) {
+        const std::vector<Light> lights = chooseLights({parseLight(text)}, world, bounds, {});
+        ASSERT_EQ(lights.size(), 1u);
+        const bool sized = lights[0].kind.x == kLightRectangle || lights[0].kind.x == kLightSphere;
+        const SceneOnGpu scene = floorUnder(lights[0], sized);
+        EXPECT_TRUE(isNear(seen(scene, {0, 0, 0}, sized ? kManySamples : 1), glm::dvec3(0.9 * kAlbedo),
+                           sized ? kSampled : kExact))
+            << text;
     }
 }
 

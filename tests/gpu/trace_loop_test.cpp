@@ -42,10 +42,13 @@ public:
               uploadAtlas(atlas_, plan_, context.limits(), static_cast<unsigned>(lights_.size()), "atlas")),
           programs_(compileVariant(plan_)) {}
 
-    Film film() const { return Film(kSize, plan_.features, context_.limits()); }
+    Film film(const glm::uvec4& window = {0, 0, kSize}) const {
+        return Film(window, plan_.features, context_.limits());
+    }
 
     LoopFigures run(const Film& film, TileSamples& tiles, const LoopControl& control) const {
         RenderParams params = wholePicture(kSize);
+        params.size = {kSize, tiles.window().x, tiles.window().y};
         params.background = glm::vec4(0.25f, 0.5f, 0.75f, 0.0f);
         params.samples = {0, kSamples, 7, kFilterTent};
         params.filterSize.x = 1.0f;
@@ -58,7 +61,7 @@ public:
     }
 
     FilmPixels render(const glm::uvec4& window, std::uint64_t mostSamples, LoopFigures& figures) const {
-        const Film picture = film();
+        const Film picture = film(window);
         TileSamples tiles(window, kSamples);
         LoopControl control;
         control.mostSamples = mostSamples;

@@ -1,6 +1,5 @@
 // Shadows, mirrors, glass and textures against what geometrical optics says, one ray at a time.
 #include "common/error.h"
-#include "tests/gpu/render_fixture.h"
 #include "tests/gpu/scene_fixture.h"
 
 #include <glm/geometric.hpp>
@@ -14,79 +13,20 @@ namespace {
 
 constexpr glm::vec3 kBackground(0.25f, 0.5f, 0.75f);
 constexpr glm::vec3 kGlow(0.9f, 0.2f, 0.4f);
-constexpr glm::uvec2 kOnePixel(1);
 
-Material matt() {
-    return test::greyMaterial();
-}
 Material glowing() {
-    Material material = matt();
-    material.emission = glm::vec4(kGlow, 0.0f);
-    return material;
+    return test::glowing(kGlow);
 }
-Material mirror() {
-    Material material = matt();
-    material.reflection.w = 1.0f;
-    return material;
-}
-Material glass(float ior) {
-    Material material = matt();
-    material.baseColor = glm::vec4(1.0f);
-    material.reflection.y = 0.0f;
-    material.transmission.x = 1.0f;
-    material.transmission.y = ior;
+// Nothing is reflected but what cannot get through.
+Material glass(double index) {
+    Material material = test::glass(static_cast<float>(index));
+    material.reflection.z = 0.0f;
     return material;
 }
 
-struct PointLight {
-    glm::dvec3 position;
-    float intensity;
-};
-
-// A scene on the device, ready for pictures of it. At most one light.
-class LitScene {
-public:
-    LitScene(const GlContext& context, const Mesh& mesh, const std::optional<PointLight>& light = {},
-             float ambient = 0.0f)
-        : context_(context), atlas_(test::makeAtlas(mesh, kStructureCloud, {12, 9, 10})), ambient_(ambient),
-          plan_(planResources(
-              atlas_, renderFeatures(atlas_, {.maxDepth = 8, .lights = std::vector<Light>(light ? 1 : 0)}),
-              ShaderKind::Render, context.limits().resources, "atlas")),
-          gpuAtlas_(uploadAtlas(atlas_, plan_, context.limits(), light ? 1 : 0, "atlas")),
-          programs_(compileVariant(plan_)) {
-        if (light)
-            lights_ = chooseLights({{light->position, glm::vec3(light->intensity)}}, atlas_,
-                                   BoundsD{glm::dvec3(-1), glm::dvec3(1)}, {});
-    }
-
-    FilmPixels render(const CameraPose& pose, glm::uvec2 size) const {
-        const double aspect = double(size.x) / size.y;
-        RenderParams params = wholePicture(size);
-        params.background = glm::vec4(kBackground, 0.0f);
-        params.ambient = glm::vec4(glm::vec3(ambient_), 0.0f);
-        GpuView view(cameraInAtlas(pose, aspect, atlas_.grid), params, lights_, plan_.features,
-                     context_.limits());
-        const Film film(size, plan_.features, context_.limits());
-        gpuAtlas_.bind();
-        view.bind();
-        film.bind();
-        return test::renderOneSample(programs_, view, film, context_, size);
-    }
-
-    // The middle of the only pixel is the look-at point.
-    glm::vec3 colorTowards(const glm::dvec3& eye, const glm::dvec3& lookAt) const {
-        return glm::vec3(render({eye, lookAt, glm::dvec3(0, 1, 0), 40.0}, kOnePixel).colors[0]);
-    }
-
-private:
-    const GlContext& context_;
-    Atlas atlas_;
-    float ambient_;
-    ResourcePlan plan_;
-    GpuAtlas gpuAtlas_;
-    GpuPrograms programs_;
-    std::vector<Light> lights_;
-};
+glm::vec3 colorTowards(const test::SceneOnGpu& scene, const glm::dvec3& eye, const glm::dvec3& lookAt) {
+    return glm::vec3(scene.radiance(eye, lookAt, kBackground));
+}
 
 testing::AssertionResult isColor(const glm::vec3& color, const glm::vec3& expected) {
     if (glm::distance(color, expected) < 2e-4f) return testing::AssertionSuccess();
@@ -101,20 +41,20 @@ class Optics : public test::OnGpu {};
 TEST_F(Optics, ABoxCastsAShadowWithItsEdgeWhereTheLightsRaysGrazeIt) {
     constexpr float kAmbient = 0.25f;
     constexpr float kIntensity = 30.0f;
-    const LitScene scene(
+    const test::SceneOnGpu scene(
         *context,
-        test::joinedParts({{test::makeFloor({-4, -4}, {4, 4}, 0.0f), matt()},
-                           {test::makeBox({-0.5f, -0.5f, 1.0f}, {0.5f, 0.5f, 1.5f}), matt()},
+        test::joinedParts({{test::makeFloor({-4, -4}, {4, 4}, 0.0f), test::matt(0.8f)},
+                           {test::makeBox({-0.5f, -0.5f, 1.0f}, {0.5f, 0.5f, 1.5f}), test::matt(0.8f)},
                            // Beyond the light, and so in nobody's way.
-                           {test::makeBox({-1.0f, -1.0f, 5.0f}, {1.0f, 1.0f, 5.5f}), matt()}}),
-        PointLight{{0, 0, 4}, kIntensity}, kAmbient);
+                           {test::makeBox({-1.0f, -1.0f, 5.0f}, {1.0f, 1.0f, 5.5f}), test::matt(0.8f)}}),
+        {.lights = {pointLight({0, 0, 4}, glm::vec3(kIntensity))}, .ambient = kAmbient});
     for (const glm::dvec2 towards : {glm::dvec2(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {
         for (const double distance : {0.1, 0.7, 0.799, 0.801, 0.9, 3.0}) {
             const glm::dvec3 point(towards * distance, 0.0);
             const double squared = distance * distance + 16.0;
             const double direct = kIntensity * (4.0 / std::sqrt(squared)) / (M_PI * squared);
             const double received = kAmbient + (distance > 0.8 ? direct : 0.0);
-            EXPECT_TRUE(isColor(scene.colorTowards(glm::dvec3(towards * 3.9, 0.5), point),
+            EXPECT_TRUE(isColor(colorTowards(scene, glm::dvec3(towards * 3.9, 0.5), point),
                                 glm::vec3(float(0.8 * received))))
                 << towards.x << " " << towards.y << " at " << distance;
         }
@@ -123,14 +63,14 @@ TEST_F(Optics, ABoxCastsAShadowWithItsEdgeWhereTheLightsRaysGrazeIt) {
 
 // The mirror image of the box [1, 2] x [-0.2, 0.2] x [2, 2.4] in the plane z = 0.
 TEST_F(Optics, AMirrorShowsAnObjectAtItsMirroredPlace) {
-    const LitScene scene(
-        *context, test::joinedParts({{test::makeFloor({-5, -5}, {5, 5}, 0.0f), mirror()},
+    const test::SceneOnGpu scene(
+        *context, test::joinedParts({{test::makeFloor({-5, -5}, {5, 5}, 0.0f), test::mirror(1.0f)},
                                      {test::makeBox({1.0f, -0.2f, 2.0f}, {2.0f, 0.2f, 2.4f}), glowing()}}));
     const glm::dvec3 eye(-2.5, 0, 3);
     const auto expectEdge = [&](const glm::dvec3& inside, const glm::dvec3& outside) {
-        EXPECT_TRUE(isColor(scene.colorTowards(eye, inside), kGlow))
+        EXPECT_TRUE(isColor(colorTowards(scene, eye, inside), kGlow))
             << inside.x << " " << inside.y << " " << inside.z;
-        EXPECT_TRUE(isColor(scene.colorTowards(eye, outside), kBackground))
+        EXPECT_TRUE(isColor(colorTowards(scene, eye, outside), kBackground))
             << outside.x << " " << outside.y << " " << outside.z;
     };
     expectEdge({1.998, 0, -2}, {2.002, 0, -2});     // the far lower edge
@@ -143,9 +83,9 @@ TEST_F(Optics, AMirrorShowsAnObjectAtItsMirroredPlace) {
 // d sin(i) (1 - cos(i) / sqrt(n^2 - sin^2(i))) and leaves its direction as it is (Snell's law, twice).
 TEST_F(Optics, AGlassSlabDisplacesWhatIsBehindIt) {
     constexpr double kIor = 1.5;
-    const LitScene scene(*context,
-                         test::joinedParts({{test::makeBox({-45, -2, 0}, {10, 2, 1}), glass(float(kIor))},
-                                            {test::makeFloor({0, -1}, {8, 1}, -2.0f), glowing()}}));
+    const test::SceneOnGpu scene(*context,
+                                 test::joinedParts({{test::makeBox({-45, -2, 0}, {10, 2, 1}), glass(kIor)},
+                                                    {test::makeFloor({0, -1}, {8, 1}, -2.0f), glowing()}}));
     for (const double degrees : {0.0, 10.0, 30.0, 50.0, 70.0, 80.0}) {
         const double i = glm::radians(degrees);
         const double sine = std::sin(i), cosine = std::cos(i);
@@ -154,7 +94,7 @@ TEST_F(Optics, AGlassSlabDisplacesWhatIsBehindIt) {
         const double edge = -7.0 * std::tan(i) + sideways / cosine;
         for (const double beside : {-0.003, 0.003}) {
             const glm::dvec3 eye(edge + beside, 0.1, 5);
-            EXPECT_TRUE(isColor(scene.colorTowards(eye, eye + glm::dvec3(sine, 0, -cosine)),
+            EXPECT_TRUE(isColor(colorTowards(scene, eye, eye + glm::dvec3(sine, 0, -cosine)),
                                 beside > 0.0 ? kGlow : kBackground))
                 << degrees << " degrees";
         }
@@ -164,13 +104,13 @@ TEST_F(Optics, AGlassSlabDisplacesWhatIsBehindIt) {
 // From inside, glass of index n reflects everything beyond asin(1 / n), and lets all else out.
 TEST_F(Optics, GlassReflectsTotallyBeyondTheCriticalAngle) {
     constexpr double kIor = 1.5;
-    const LitScene scene(*context,
-                         test::joinedParts({{test::makeBox({-20, -20, 0}, {20, 20, 2}), glass(float(kIor))},
-                                            {test::makeFloor({-19, -19}, {19, 19}, 0.5f), glowing()}}));
+    const test::SceneOnGpu scene(
+        *context, test::joinedParts({{test::makeBox({-20, -20, 0}, {20, 20, 2}), glass(kIor)},
+                                     {test::makeFloor({-19, -19}, {19, 19}, 0.5f), glowing()}}));
     const double critical = std::asin(1.0 / kIor);
     for (const double i : {0.0, 0.5 * critical, critical - 1e-3, critical + 1e-3, 1.0, 1.4}) {
         const glm::dvec3 eye(0.1, 0.2, 1);
-        EXPECT_TRUE(isColor(scene.colorTowards(eye, eye + glm::dvec3(std::sin(i), 0, std::cos(i))),
+        EXPECT_TRUE(isColor(colorTowards(scene, eye, eye + glm::dvec3(std::sin(i), 0, std::cos(i))),
                             i > critical ? kGlow : kBackground))
             << i << " rad";
     }
@@ -233,10 +173,10 @@ TEST_F(Optics, TexturesAreFilteredInLinearLightAndWrappedAsTheImageSays) {
     for (const auto& [wrapU, wrapV] :
          {std::pair(kWrapRepeat, kWrapClamp), {kWrapClamp, kWrapMirror}, {kWrapMirror, kWrapRepeat}}) {
         const Mesh mesh = makeNoiseSquare(wrapU, wrapV);
-        const LitScene scene(*context, mesh, {}, 1.0f);
+        const test::SceneOnGpu scene(*context, mesh, {.ambient = 1.0f});
         // At distance 0.5 a field of view of 90 degrees is the square.
         const FilmPixels pixels =
-            scene.render({{0.5, 0.5, 0.5}, {0.5, 0.5, 0.0}, {0, 1, 0}, 90.0}, {kSize, kSize});
+            scene.render({{{0.5, 0.5, 0.5}, {0.5, 0.5, 0.0}, {0, 1, 0}, 90.0}, {kSize, kSize}});
         for (unsigned y = 0; y < kSize; ++y)
             for (unsigned x = 0; x < kSize; ++x) {
                 if (x + y == kSize - 1)

@@ -56,6 +56,7 @@ TEST_F(Rendering, EverySingleFeatureVariantCompiles) {
     compiles(all);
     for (const FeatureRow& row : featureTable()) {
         if (row.field == &SceneFeatures::subgroups && !limits().subgroups) continue;
+        if (row.field == &SceneFeatures::hasTime && !limits().shaderClock) continue;
         SceneFeatures one;
         one.*row.field = all.*row.field = row.field == &SceneFeatures::maxDepth ? 16 : 1;
         compiles(one);
@@ -86,7 +87,7 @@ TEST_F(Rendering, AFeatureThatTheSceneUsesDoesChangeThePicture) {
         test::makeAtlas(withMaterial(test::makeSphere(2), material), kStructureCloud, {8, 8, 8});
     const SceneFeatures all = featuresOf(atlas);
     const FilmPixels full = render(atlas, all).pixels;
-    EXPECT_EQ(countNonFinite(full), 0u);
+    EXPECT_EQ(countNonFinite(toImage(kSize, full, {defaultPose(atlas)})), 0u);
     for (const auto feature :
          {&SceneFeatures::hasReflection, &SceneFeatures::hasTransmission, &SceneFeatures::hasEmission,
           &SceneFeatures::lightCount, &SceneFeatures::maxDepth}) {
@@ -248,11 +249,21 @@ TEST_F(Rendering, ImageHoldsDepthNormalIdAndMatrices) {
 TEST(NonFinitePixels, AreCounted) {
     FilmPixels pixels{
         std::vector<glm::vec4>(4, glm::vec4(1.0f)), std::vector<glm::vec4>(4, glm::vec4(0.0f)), {0, 0, 0, 0}};
-    EXPECT_EQ(countNonFinite(pixels), 0u);
+    pixels.variances = std::vector<float>(4, 0.0f);
+    const auto count = [&](unsigned aovs) {
+        RenderRecord record;
+        record.camera.eye = glm::dvec3(0, 0, 1);
+        record.aovs = aovs;
+        return countNonFinite(toImage({2, 2}, pixels, record));
+    };
+    EXPECT_EQ(count(kAllAovs), 0u);
+    pixels.variances[1] = INFINITY;
+    EXPECT_EQ(count(kAovVariance), 1u);
     pixels.colors[1].g = std::nanf("");
     pixels.colors[2].b = -INFINITY;
     pixels.surfaces[3].w = INFINITY;
-    EXPECT_EQ(countNonFinite(pixels), 3u);
+    EXPECT_EQ(count(kAovVariance | kAovDepth), 3u);
+    EXPECT_EQ(count(0), 2u) << "of what is written";
 }
 
 } // namespace

@@ -11,7 +11,7 @@ namespace {
 
 Checkpoint sampleCheckpoint() {
     Checkpoint checkpoint;
-    checkpoint.info = {1, 2, {64, 32}, {0, 0, 2, 1}, 16, 7, 12.5};
+    checkpoint.info = {1, {2, 5}, {64, 32}, {0, 0, 2, 1}, 16, 7, 12.5};
     checkpoint.tiles = {{3, 16}};
     checkpoint.planes = {{0, {1, 2, 3, 4, 5, 6, 7, 8}}, {2, {9, 10}}};
     return checkpoint;
@@ -21,7 +21,7 @@ TEST(Checkpoint, ComesBackAsItWas) {
     const test::TemporaryFolder folder;
     writeCheckpoint(folder.file("c"), sampleCheckpoint());
     const Checkpoint read = readCheckpoint(folder.file("c"));
-    EXPECT_EQ(read.info.settingsHash, 2u);
+    EXPECT_EQ(read.info.settings[1], 5u);
     EXPECT_EQ(read.info.window[2], 2u);
     EXPECT_EQ(read.info.samples, 16u);
     EXPECT_EQ(read.info.gpuMs, 12.5);

@@ -217,6 +217,18 @@ TEST(ParseSizes, TakesExactlyWhatItSays) {
         EXPECT_THROW(parseSizes(bad, 3, "--resolution"), Error) << bad;
 }
 
+TEST(ParseByteSize, TakesSuffixes) {
+    EXPECT_EQ(parseByteSize("1000", "--max-memory"), 1000u);
+    EXPECT_EQ(parseByteSize("3K", "--max-memory"), 3072u);
+    EXPECT_EQ(parseByteSize("800M", "--max-memory"), 800u << 20);
+    EXPECT_EQ(parseByteSize("12G", "--max-memory"), std::uint64_t(12) << 30);
+    EXPECT_EQ(parseByteSize("1T", "--max-memory"), std::uint64_t(1) << 40);
+    EXPECT_EQ(parseByteSize("2k", "--max-memory"), 2048u);
+    EXPECT_EQ(parseByteSize("7g", "--max-memory"), std::uint64_t(7) << 30);
+    for (const char* text : {"", "G", "0", "-1", "1.5G", "1P", "1TT", "12GB", "99999999999G", "4 G"})
+        EXPECT_THROW(parseByteSize(text, "--max-memory"), Error) << text;
+}
+
 TEST(Depfile, EscapesWhatMakeWouldRead) {
     const test::TemporaryFolder folder;
     writeDepfile(folder.file("d"), "out file", {"a b.obj", "c$d.mtl"});

@@ -75,17 +75,5 @@ TEST(GridResolution, densityStaysWithinOneAnd1024PerAxis) {
     EXPECT_LE(double(most.x) * most.y * most.z, kMaxAutomaticVoxels * 1.01);
 }
 
-TEST(GridOptions, memorySizesTakeSuffixes) {
-    EXPECT_EQ(parseByteSize("1000", "--max-memory"), 1000u);
-    EXPECT_EQ(parseByteSize("3K", "--max-memory"), 3072u);
-    EXPECT_EQ(parseByteSize("800M", "--max-memory"), 800u << 20);
-    EXPECT_EQ(parseByteSize("12G", "--max-memory"), std::uint64_t(12) << 30);
-    EXPECT_EQ(parseByteSize("1T", "--max-memory"), std::uint64_t(1) << 40);
-    EXPECT_EQ(parseByteSize("2k", "--max-memory"), 2048u);
-    EXPECT_EQ(parseByteSize("7g", "--max-memory"), std::uint64_t(7) << 30);
-    for (const char* text : {"", "G", "0", "-1", "1.5G", "1P", "1TT", "12GB", "99999999999G", "4 G"})
-        EXPECT_EQ(kindOf([&] { parseByteSize(text, "--max-memory"); }), ErrorKind::Usage) << text;
-}
-
 } // namespace
 } // namespace rt

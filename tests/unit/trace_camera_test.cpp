@@ -145,6 +145,40 @@ TEST(NamedCameras, GiveWhatTheRequestLeavesOpen) {
     EXPECT_EQ(pose.height, 3.0);
 }
 
+// What a camera says of its own kind is nothing to a picture of another.
+TEST(NamedCameras, OfAnotherKindGiveTheirPlaceOnly) {
+    const NamedCamera cameras[] = {named("a", kCameraPerspective), named("top", kCameraOrthographic)};
+    CameraRequest request;
+    request.name = "a";
+    request.view = kOrthographicView;
+    CameraPose pose = placeCamera(withNamedCamera(request, cameras), kBoxes[0], 1.0);
+    EXPECT_EQ(pose.eye, glm::dvec3(0, 0, 5));
+    EXPECT_GT(pose.height, 2.0);
+    EXPECT_EQ(pose.lensRadius, 0.0);
+    request.name = "top";
+    request.view = kPerspectiveView;
+    pose = placeCamera(withNamedCamera(request, cameras), kBoxes[0], 1.0);
+    EXPECT_EQ(pose.fovDegrees, kDefaultFovDegrees);
+}
+
+TEST(Camera, NumbersThatSayNothingOfItsKindAreUsageErrors) {
+    CameraRequest flat;
+    flat.view = kOrthographicView;
+    EXPECT_EQ(kindOf(flat), ErrorKind::Internal) << "no error";
+    flat.fovDegrees = 30.0;
+    EXPECT_EQ(kindOf(flat), ErrorKind::Usage);
+    CameraRequest sharp;
+    sharp.focusDistance = 3.0;
+    EXPECT_EQ(kindOf(sharp), ErrorKind::Usage);
+    sharp.lensRadius = 0.0;
+    EXPECT_EQ(kindOf(sharp), ErrorKind::Usage);
+    sharp.lensRadius = 0.1;
+    EXPECT_EQ(kindOf(sharp), ErrorKind::Internal);
+    CameraRequest tall;
+    tall.height = 3.0;
+    EXPECT_EQ(kindOf(tall), ErrorKind::Usage);
+}
+
 TEST(NamedCameras, AnUnknownNameIsAnsweredWithThoseThatThereAre) {
     const NamedCamera cameras[] = {named("a", kCameraPerspective), named("top", kCameraOrthographic)};
     CameraRequest request;

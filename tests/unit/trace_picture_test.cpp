@@ -2,8 +2,8 @@
 #include "formats/image.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/rt-trace/camera_path.h"
+#include "tools/rt-trace/frame_range.h"
 #include "tools/rt-trace/picture_files.h"
-#include "tools/rt-trace/picture_options.h"
 #include "tools/rt-trace/tone_map.h"
 
 #include <gmock/gmock.h>
@@ -84,6 +84,16 @@ TEST(PictureFiles, HeatIsRelativeToTheMostOrToWhatWasAsked) {
     EXPECT_EQ(pixels.colors[0].a, 1.0f);
     EXPECT_EQ(paintHeat(asked, Heat::Tests, 8.0), 8.0);
     EXPECT_NEAR(asked.colors[1].g, decodeSrgb(heatColor(0.5).g), 1e-6);
+}
+
+TEST(PictureFiles, HeatOfTimeIsThatOfTheClock) {
+    FilmPixels pixels{std::vector<glm::vec4>(200, glm::vec4(1.0f)), {}, {}};
+    pixels.albedos = std::vector<glm::vec4>(200, {9, 9, 9, 200});
+    pixels.albedos[0].a = 50.0f;
+    pixels.albedos[7].a = 1e7f; // interrupted
+    pixels.texcoords = std::vector<glm::vec4>(200, glm::vec4(1e9f));
+    EXPECT_EQ(paintHeat(pixels, Heat::Time, 0.0), 200.0);
+    EXPECT_NEAR(pixels.colors[0].g, decodeSrgb(heatColor(0.25).g), 1e-6);
 }
 
 TEST(FramePath, NumbersGoWhereTheNameSays) {

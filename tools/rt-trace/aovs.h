@@ -12,11 +12,15 @@ inline constexpr unsigned kAovTexcoord = 1u << 5; // uv.U, uv.V
 inline constexpr unsigned kAovSteps = 1u << 6;    // steps
 inline constexpr unsigned kAovTests = 1u << 7;    // tests
 inline constexpr unsigned kAovVariance = 1u << 8; // variance
+inline constexpr unsigned kAovMaterial = 1u << 9; // material
+inline constexpr unsigned kAovTime = 1u << 10;    // time
 
 inline constexpr unsigned kDefaultAovs = kAovDepth | kAovNormal | kAovId;
-inline constexpr unsigned kAllAovs = (1u << 9) - 1;
+/// Those of `--aov all`: the same from run to run, so without the time.
+inline constexpr unsigned kAllAovs = (1u << 10) - 1;
 
 /// Those that need images of their own on the device, all together.
-inline constexpr unsigned kExtraAovs = kAovPosition | kAovAlbedo | kAovTexcoord | kAovSteps | kAovTests;
+inline constexpr unsigned kExtraAovs =
+    kAovPosition | kAovAlbedo | kAovTexcoord | kAovSteps | kAovTests | kAovTime;
 
 } // namespace rt

@@ -75,17 +75,6 @@ void requirePositive(const std::optional<double>& value, bool mayBeZero, const c
         throw Error(ErrorKind::Usage, fmt::format("{}: {} is not positive", option, *value));
 }
 
-void checkNumbers(const CameraRequest& request) {
-    const double fov = request.fovDegrees.value_or(kDefaultFovDegrees);
-    if (!(fov > 0.0 && fov < 180.0))
-        throw Error(ErrorKind::Usage, fmt::format("--fov: {} is not between 0 and 180 degrees", fov));
-    requirePositive(request.height, false, "--height");
-    requirePositive(request.lensRadius, true, "--lens-radius");
-    requirePositive(request.focusDistance, false, "--focus");
-    if (request.lensRadius.value_or(0.0) > 0.0 && request.view.value_or(kPerspectiveView) != kPerspectiveView)
-        throw Error(ErrorKind::Usage, "--lens-radius: only perspective pictures have a lens");
-}
-
 // All but the place of the eye, and what depends on it.
 CameraPose poseOf(const CameraRequest& request, const BoundsD& scene) {
     CameraPose pose;
@@ -141,20 +130,41 @@ CameraRequest withNamedCamera(const CameraRequest& request, std::span<const Name
     if (!filled.lookAt) filled.lookAt = toPoint(named->lookAt);
     if (!filled.up) filled.up = toPoint(named->up);
     if (!filled.view) filled.view = named->kind;
-    const bool perspective = filled.view == kPerspectiveView;
-    if (named->kind == kCameraPerspective) {
-        if (!filled.fovDegrees) filled.fovDegrees = named->fovDegrees;
-        if (perspective && !filled.lensRadius) filled.lensRadius = named->lensRadius;
-        if (perspective && !filled.focusDistance && named->lensRadius > 0.0)
-            filled.focusDistance = named->focusDistance;
-    } else if (!filled.height) {
-        filled.height = named->height;
+    if (filled.view != named->kind) return filled; // the rest says nothing of another kind
+    if (named->kind == kCameraOrthographic) {
+        if (!filled.height) filled.height = named->height;
+        return filled;
     }
+    if (!filled.fovDegrees) filled.fovDegrees = named->fovDegrees;
+    if (!filled.lensRadius) filled.lensRadius = named->lensRadius;
+    if (!filled.focusDistance && *filled.lensRadius > 0.0 && named->lensRadius > 0.0)
+        filled.focusDistance = named->focusDistance;
     return filled;
 }
 
+void checkCamera(const CameraRequest& request) {
+    const double fov = request.fovDegrees.value_or(kDefaultFovDegrees);
+    if (!(fov > 0.0 && fov < 180.0))
+        throw Error(ErrorKind::Usage, fmt::format("--fov: {} is not between 0 and 180 degrees", fov));
+    requirePositive(request.height, false, "--height");
+    requirePositive(request.lensRadius, true, "--lens-radius");
+    requirePositive(request.focusDistance, false, "--focus");
+    const unsigned view = request.view.value_or(kPerspectiveView);
+    const bool lens = request.lensRadius.value_or(0.0) > 0.0;
+    struct Rule {
+        bool broken;
+        const char* message;
+    };
+    for (const Rule& rule :
+         {Rule{lens && view != kPerspectiveView, "--lens-radius: only perspective pictures have a lens"},
+          Rule{request.fovDegrees && view != kPerspectiveView, "--fov: only perspective pictures have one"},
+          Rule{request.height && view != kOrthographicView, "--height needs --projection orthographic"},
+          Rule{request.focusDistance && !lens, "--focus needs --lens-radius: all is sharp without a lens"}})
+        if (rule.broken) throw Error(ErrorKind::Usage, rule.message);
+}
+
 CameraPose placeCamera(const CameraRequest& request, const BoundsD& scene, double aspect) {
-    checkNumbers(request);
+    checkCamera(request);
     CameraPose pose = poseOf(request, scene);
     const std::optional<glm::dvec3> eye = requestedEye(request, scene);
     const glm::dvec3 towardsEye = eye ? *eye - pose.lookAt : defaultDirection(scene);

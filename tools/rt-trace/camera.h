@@ -53,11 +53,14 @@ std::string nameOf(const NamedCamera& camera);
 /// "perspective", "orthographic", "panorama".
 std::string viewName(unsigned view);
 
+/// Throws Error{Usage} if a number is out of its range, or says nothing of a camera of this kind: --fov of
+/// another than a perspective view, --focus without a lens.
+void checkCamera(const CameraRequest& request);
+
 /// Fills in what was not asked for: the look-at point is the scene's centre, the eye stands where all of the
 /// box is in the picture, up is +y, or +z where the view is along y; a panorama is taken from the scene's
-/// centre, towards -z; what is looked at is in focus. `aspect` = width / height. Throws Error{Usage} if the
-/// eye is at the look-at point, up is parallel to the view, a number is out of its range, or a lens is wanted
-/// of another view than a perspective.
+/// centre, towards -z; what is looked at is in focus. `aspect` = width / height. Throws Error{Usage} as
+/// checkCamera() does, and if the eye is at the look-at point or up is parallel to the view.
 CameraPose placeCamera(const CameraRequest& request, const BoundsD& scene, double aspect);
 
 CameraBasis basisOf(const CameraPose& pose, double aspect);

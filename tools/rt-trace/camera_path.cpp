@@ -80,7 +80,8 @@ CameraRequest cameraAt(std::span<const CameraKey> keys, double frame, const Came
     at.eye = glm::mix(a.eye, b.eye, part);
     at.lookAt = glm::mix(a.lookAt, b.lookAt, part);
     at.up = glm::mix(a.up, b.up, part);
-    at.fovDegrees = glm::mix(a.fovDegrees, b.fovDegrees, part);
+    if (request.view.value_or(kPerspectiveView) == kPerspectiveView)
+        at.fovDegrees = glm::mix(a.fovDegrees, b.fovDegrees, part);
     return at;
 }
 

@@ -10,18 +10,74 @@
 namespace rt {
 namespace {
 
+// What a picture is made with, part by part: bytes that are the same if the pictures are.
+using Bytes = std::vector<std::byte>;
+
 template <class T>
-void append(std::vector<std::byte>& bytes, std::span<const T> values) {
-    const auto raw = std::as_bytes(values);
+void append(Bytes& bytes, const T& value) {
+    const auto raw = std::as_bytes(std::span(&value, 1));
     bytes.insert(bytes.end(), raw.begin(), raw.end());
 }
+template <class T>
+void append(Bytes& bytes, const std::vector<T>& values) {
+    const auto raw = std::as_bytes(std::span(values));
+    bytes.insert(bytes.end(), raw.begin(), raw.end());
+}
+template <class... Values>
+Bytes bytesOfAll(const Values&... values) {
+    Bytes bytes;
+    (append(bytes, values), ...);
+    return bytes;
+}
+
+struct Made {
+    const TraceOptions& options;
+    const PictureSetup& setup;
+    const SceneFeatures& features;
+};
+struct Setting {
+    const char* name;
+    Bytes (*of)(const Made&);
+};
+// In the order of CheckpointInfo::settings; another order is another version of the file.
+constexpr Setting kSettings[] = {
+    {"camera", [](const Made& m) { return bytesOfAll(m.setup.camera, m.features.view, m.features.hasLens); }},
+    {"lights", [](const Made& m) { return bytesOfAll(m.setup.lights); }},
+    {"environment",
+     [](const Made& m) { return bytesOfAll(m.setup.environment.pixels, m.setup.params.environment); }},
+    {"ambient light", [](const Made& m) { return bytesOfAll(m.setup.params.ambient); }},
+    {"background", [](const Made& m) { return bytesOfAll(m.setup.params.background); }},
+    {"filter", [](const Made& m) { return bytesOfAll(m.setup.params.filterSize, m.setup.params.samples.w); }},
+    {"--max-depth", [](const Made& m) { return bytesOfAll(m.features.maxDepth); }},
+    {"--precision or --intersect",
+     [](const Made& m) { return bytesOfAll(m.features.doublePrecision, m.features.intersect); }},
+    {"--target-error", [](const Made& m) { return bytesOfAll(m.options.targetError); }},
+    {"channels",
+     [](const Made& m) { return bytesOfAll(m.features.hasAovs, m.features.hasMoments, m.features.hasTime); }},
+    {"kind of device", [](const Made& m) { return bytesOfAll(m.features.software); }},
+    {"one sample per pixel, in its middle, or several",
+     [](const Made& m) { return bytesOfAll(m.features.multisample); }},
+};
+static_assert(std::size(kSettings) == kCheckpointSettings);
 
 [[noreturn]] void throwForeign(const std::string& path, const std::string& what) {
     throw Error(ErrorKind::InvalidContent,
                 fmt::format("{}: is the checkpoint of another picture: {}", path, what));
 }
 
-void requireSame(const std::string& path, const CheckpointInfo& info, const PictureIdentity& identity) {
+void requireEnough(const std::string& path, const Checkpoint& checkpoint, const PictureIdentity& identity) {
+    std::uint32_t most = 0;
+    for (const CheckpointTile& tile : checkpoint.tiles) most = std::max(most, tile.samples);
+    if (most > identity.samples)
+        throw Error(
+            ErrorKind::Usage,
+            fmt::format("--resume {}: its pixels have up to {} samples, more than the {} that are wanted; "
+                        "say --spp {} or more, or begin anew without --resume",
+                        path, most, identity.samples, most));
+}
+
+void requireSame(const std::string& path, const Checkpoint& checkpoint, const PictureIdentity& identity) {
+    const CheckpointInfo& info = checkpoint.info;
     if (info.size[0] != identity.size.x || info.size[1] != identity.size.y)
         throwForeign(path, fmt::format("its size is {}x{}, not {}x{}", info.size[0], info.size[1],
                                        identity.size.x, identity.size.y));
@@ -33,25 +89,23 @@ void requireSame(const std::string& path, const CheckpointInfo& info, const Pict
                                        identity.atlasHash));
     if (info.seed != identity.seed)
         throwForeign(path, fmt::format("its seed is {}, not {}", info.seed, identity.seed));
-    if (info.settingsHash != identity.settingsHash)
-        throwForeign(path, "its view, light, filter, channels, --target-error or kind of device differ");
+    requireEnough(path, checkpoint, identity); // first: one sample more than several is another setting too
+    std::string different;
+    for (std::size_t i = 0; i < kCheckpointSettings; ++i)
+        if (info.settings[i] != identity.settings[i])
+            different += (different.empty() ? "" : ", ") + std::string(kSettings[i].name);
+    if (!different.empty())
+        throwForeign(path, "these settings differ from what is asked for now: " + different);
 }
 
 } // namespace
 
 PictureIdentity identityOf(const TraceOptions& options, const PictureSetup& setup,
                            const SceneFeatures& features, std::uint64_t atlasHash) {
-    RenderParams params = setup.params;
-    params.samples.y = 0;
-    std::vector<std::byte> bytes;
-    append(bytes, std::span<const RenderParams>(&params, 1));
-    append(bytes, std::span<const CameraParams>(&setup.camera, 1));
-    append(bytes, std::span<const Light>(setup.lights));
-    append(bytes, std::span<const glm::vec3>(setup.environment.pixels));
-    append(bytes, std::span<const double>(&options.targetError, 1));
-    const std::string defines = featureDefines(features);
-    append(bytes, std::span<const char>(defines));
-    return {atlasHash, hashOf(bytes), options.size, options.window, options.seed, options.samples};
+    PictureIdentity identity{atlasHash, {}, options.size, options.window, options.seed, options.samples};
+    for (std::size_t i = 0; i < kCheckpointSettings; ++i)
+        identity.settings[i] = hashOf(kSettings[i].of({options, setup, features}));
+    return identity;
 }
 
 void saveCheckpoint(const std::string& path, const PictureIdentity& identity, const Film& film,
@@ -59,12 +113,13 @@ void saveCheckpoint(const std::string& path, const PictureIdentity& identity, co
     Checkpoint checkpoint;
     const glm::uvec4& window = identity.window;
     checkpoint.info = {identity.atlasHash,
-                       identity.settingsHash,
+                       {},
                        {identity.size.x, identity.size.y},
                        {window.x, window.y, window.z, window.w},
                        identity.samples,
                        identity.seed,
                        gpuMs};
+    std::copy(identity.settings.begin(), identity.settings.end(), checkpoint.info.settings);
     for (const TileSamples::Tile& tile : tiles.tiles()) checkpoint.tiles.push_back({tile.samples, tile.goal});
     checkpoint.planes = film.save(window);
     writeCheckpoint(path, checkpoint);
@@ -73,7 +128,7 @@ void saveCheckpoint(const std::string& path, const PictureIdentity& identity, co
 double resumeCheckpoint(const std::string& path, const PictureIdentity& identity, const Film& film,
                         TileSamples& tiles) {
     const Checkpoint checkpoint = readCheckpoint(path);
-    requireSame(path, checkpoint.info, identity);
+    requireSame(path, checkpoint, identity);
     const auto damaged = [&](const CheckpointTile& tile) {
         return tile.samples > tile.goal || tile.goal > checkpoint.info.samples;
     };
@@ -87,7 +142,7 @@ double resumeCheckpoint(const std::string& path, const PictureIdentity& identity
         const CheckpointTile& saved = checkpoint.tiles[i];
         // Tiles whose error was small enough stay as they are; others get as many samples as are wanted now.
         const bool stopped = saved.goal < checkpoint.info.samples;
-        tiles.tiles()[i] = {saved.samples, stopped ? saved.goal : std::max(identity.samples, saved.samples)};
+        tiles.tiles()[i] = {saved.samples, stopped ? saved.goal : identity.samples};
     }
     return checkpoint.info.gpuMs;
 }

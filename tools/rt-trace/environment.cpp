@@ -5,7 +5,7 @@
 #include "common/log.h"
 #include "formats/image_exr.h"
 #include "formats/image_hdr.h"
-#include "tools/rt-trace/parse_color.h"
+#include "tools/rt-trace/option_values.h"
 #include "tools/rt-trace/tone_map.h"
 
 #include <fmt/format.h>

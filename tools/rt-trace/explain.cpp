@@ -1,7 +1,5 @@
 #include "tools/rt-trace/explain.h"
 
-#include "tools/rt-trace/camera.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,20 +52,6 @@ std::string explanation(const Atlas& atlas, const ResourcePlan& plan) {
         text += fmt::format("  {:<18}{:>14} bytes  {}\n", use.name, use.bytes,
                             use.uploaded ? "uploaded" : "skipped: no feature reads it");
     return text + fmt::format("  {}, {}\n", total(uses, true), total(uses, false));
-}
-
-std::string cameraList(std::span<const NamedCamera> cameras) {
-    std::string text;
-    for (const NamedCamera& camera : cameras) {
-        const bool perspective = camera.kind == kCameraPerspective;
-        text += fmt::format("{}  {}  {}  eye {:g},{:g},{:g}  look-at {:g},{:g},{:g}\n", nameOf(camera),
-                            viewName(camera.kind),
-                            perspective ? fmt::format("fov {:g}", camera.fovDegrees)
-                                        : fmt::format("height {:g}", camera.height),
-                            camera.eye[0], camera.eye[1], camera.eye[2], camera.lookAt[0], camera.lookAt[1],
-                            camera.lookAt[2]);
-    }
-    return text;
 }
 
 } // namespace rt

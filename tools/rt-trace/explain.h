@@ -17,7 +17,4 @@ std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan
 /// Text for people: each feature with its value and what it comes from, then each part of the atlas.
 std::string explanation(const Atlas& atlas, const ResourcePlan& plan);
 
-/// The atlas' cameras, one a line: name, kind and where they stand. Empty if there are none.
-std::string cameraList(std::span<const NamedCamera> cameras);
-
 } // namespace rt

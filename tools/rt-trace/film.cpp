@@ -32,14 +32,12 @@ std::size_t pixelsIn(const glm::uvec4& window) {
     return std::size_t(window.z - window.x) * (window.w - window.y);
 }
 
-// Empty where the film has no such image.
-template <class T>
-std::vector<T> readImage(const std::array<GlTexture, 8>& images, unsigned unit, const glm::uvec4& window) {
-    if (!images[unit].name()) return {};
-    std::vector<T> texels(pixelsIn(window));
-    readTexels(images[unit], window, kFormats[unit].format, kFormats[unit].type,
-               std::as_writable_bytes(std::span(texels)));
-    return texels;
+std::vector<unsigned> unitsFor(const SceneFeatures& features) {
+    std::vector<unsigned> units = {RT_IMAGE_COLOR, RT_IMAGE_SURFACE, RT_IMAGE_ID};
+    if (features.countWork) units.push_back(RT_IMAGE_COUNTERS);
+    if (features.hasMoments) units.push_back(RT_IMAGE_MOMENTS);
+    if (features.hasAovs) units.insert(units.end(), {RT_IMAGE_ALBEDO, RT_IMAGE_POSITION, RT_IMAGE_TEXCOORD});
+    return units;
 }
 
 // Exact where there is one sample.
@@ -58,21 +56,25 @@ double varianceOfMean(const glm::vec2& moments, std::uint32_t samples) {
     return std::max(moments.x / n - mean * mean, 0.0) / (n - 1.0);
 }
 
-Film::Film(glm::uvec2 size, const SceneFeatures& features, const GlLimits& limits) {
+Film::Film(const glm::uvec4& window, const SceneFeatures& features, const GlLimits& limits)
+    : window_(window) {
+    const glm::uvec2 size(window.z - window.x, window.w - window.y);
     if (size.x > limits.textureSize2D || size.y > limits.textureSize2D)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("--size {}x{}: this device renders at most {}x{}", size.x, size.y,
-                                limits.textureSize2D, limits.textureSize2D));
-    std::vector<unsigned> units = {RT_IMAGE_COLOR, RT_IMAGE_SURFACE, RT_IMAGE_ID};
-    if (features.countWork) units.push_back(RT_IMAGE_COUNTERS);
-    if (features.hasMoments) units.push_back(RT_IMAGE_MOMENTS);
-    if (features.hasAovs) units.insert(units.end(), {RT_IMAGE_ALBEDO, RT_IMAGE_POSITION, RT_IMAGE_TEXCOORD});
-    for (const unsigned unit : units) {
+                    fmt::format("--size {}x{}: this device renders at most {}x{}; render parts with --crop",
+                                size.x, size.y, limits.textureSize2D, limits.textureSize2D));
+    for (const unsigned unit : unitsFor(features)) {
         const ImageFormat& format = kFormats[unit];
         images_[unit] = createTexture2D(format.stored, size.x, size.y);
         glClearTexImage(images_[unit].name(), 0, format.format, format.type, nullptr); // to 0
     }
     checkGl("clearing the film");
+}
+
+std::uint64_t Film::bytesFor(const glm::uvec4& window, const SceneFeatures& features) {
+    std::uint64_t words = 0;
+    for (const unsigned unit : unitsFor(features)) words += kFormats[unit].words;
+    return pixelsIn(window) * words * sizeof(std::uint32_t);
 }
 
 void Film::bind() const {
@@ -83,13 +85,27 @@ void Film::bind() const {
     checkGl("binding the film");
 }
 
+glm::uvec4 Film::inImages(const glm::uvec4& window) const {
+    return window - glm::uvec4(window_.x, window_.y, window_.x, window_.y);
+}
+
+// Empty where the film has no such image.
+template <class T>
+std::vector<T> Film::readImage(unsigned unit, const glm::uvec4& window) const {
+    if (!images_[unit].name()) return {};
+    std::vector<T> texels(pixelsIn(window));
+    readTexels(images_[unit], inImages(window), kFormats[unit].format, kFormats[unit].type,
+               std::as_writable_bytes(std::span(texels)));
+    return texels;
+}
+
 FilmPixels Film::read(const glm::uvec4& window, std::span<const std::uint32_t> samples) const {
-    FilmPixels pixels{readImage<glm::vec4>(images_, RT_IMAGE_COLOR, window),
-                      readImage<glm::vec4>(images_, RT_IMAGE_SURFACE, window),
-                      readImage<std::uint32_t>(images_, RT_IMAGE_ID, window)};
-    pixels.albedos = readImage<glm::vec4>(images_, RT_IMAGE_ALBEDO, window);
-    pixels.positions = readImage<glm::vec4>(images_, RT_IMAGE_POSITION, window);
-    pixels.texcoords = readImage<glm::vec4>(images_, RT_IMAGE_TEXCOORD, window);
+    FilmPixels pixels{readImage<glm::vec4>(RT_IMAGE_COLOR, window),
+                      readImage<glm::vec4>(RT_IMAGE_SURFACE, window),
+                      readImage<std::uint32_t>(RT_IMAGE_ID, window)};
+    pixels.albedos = readImage<glm::vec4>(RT_IMAGE_ALBEDO, window);
+    pixels.positions = readImage<glm::vec4>(RT_IMAGE_POSITION, window);
+    pixels.texcoords = readImage<glm::vec4>(RT_IMAGE_TEXCOORD, window);
     divide(pixels.colors, samples, glm::bvec4(true));
     divide(pixels.albedos, samples, glm::bvec4(true));
     divide(pixels.texcoords, samples, glm::bvec4(false, false, true, true));
@@ -100,11 +116,11 @@ FilmPixels Film::read(const glm::uvec4& window, std::span<const std::uint32_t> s
 }
 
 std::vector<glm::uvec4> Film::readCounters(const glm::uvec4& window) const {
-    return readImage<glm::uvec4>(images_, RT_IMAGE_COUNTERS, window);
+    return readImage<glm::uvec4>(RT_IMAGE_COUNTERS, window);
 }
 
 std::vector<glm::vec2> Film::readMoments(const glm::uvec4& window) const {
-    return readImage<glm::vec2>(images_, RT_IMAGE_MOMENTS, window);
+    return readImage<glm::vec2>(RT_IMAGE_MOMENTS, window);
 }
 
 bool Film::isSaved(unsigned unit) const {
@@ -117,7 +133,7 @@ std::vector<CheckpointPlane> Film::save(const glm::uvec4& window) const {
         if (!isSaved(unit)) continue;
         CheckpointPlane& plane = planes.emplace_back(CheckpointPlane{unit});
         plane.words.resize(pixelsIn(window) * kFormats[unit].words);
-        readTexels(images_[unit], window, kFormats[unit].format, kFormats[unit].type,
+        readTexels(images_[unit], inImages(window), kFormats[unit].format, kFormats[unit].type,
                    std::as_writable_bytes(std::span(plane.words)));
     }
     return planes;
@@ -132,8 +148,8 @@ bool Film::restore(const glm::uvec4& window, std::span<const CheckpointPlane> pl
     });
     if (!same || planes.size() != wanted) return false;
     for (const CheckpointPlane& plane : planes)
-        writeTexels(images_[plane.image], window, kFormats[plane.image].format, kFormats[plane.image].type,
-                    std::as_bytes(std::span(plane.words)));
+        writeTexels(images_[plane.image], inImages(window), kFormats[plane.image].format,
+                    kFormats[plane.image].type, std::as_bytes(std::span(plane.words)));
     return true;
 }
 

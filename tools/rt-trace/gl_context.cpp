@@ -171,6 +171,7 @@ public:
         device.version = glString(GL_VERSION);
         device.driver = glString(GL_VENDOR);
         device.software = device.software || isSoftwareRenderer(device.renderer);
+        device.memory = queryGpuMemory();
         opened->device_ = device;
         opened->limits_ = queryGlLimits(device.software);
         letDriverCompileOnItsOwnThreads();

@@ -1,5 +1,6 @@
 #pragma once
 #include "tools/rt-trace/gl_limits.h"
+#include "tools/rt-trace/gpu_memory.h"
 
 #include <memory>
 #include <string>
@@ -14,6 +15,7 @@ struct GlDevice {
     std::string renderer;
     std::string version;
     std::string driver;
+    GpuMemory memory;
     std::string problem; ///< why it cannot be used; empty if it can
 };
 

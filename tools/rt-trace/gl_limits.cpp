@@ -50,6 +50,8 @@ GlLimits queryGlLimits(bool software) {
     limits.arrayLayers = get(GL_MAX_ARRAY_TEXTURE_LAYERS);
     limits.groupCountX = getIndexed(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0);
     limits.groupCountY = getIndexed(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 1);
+    limits.programBinaries = get(GL_NUM_PROGRAM_BINARY_FORMATS) > 0;
+    limits.shaderClock = epoxy_has_gl_extension("GL_ARB_shader_clock");
     limits.subgroups = !software && hasSubgroups();
     return limits;
 }

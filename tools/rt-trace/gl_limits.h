@@ -10,6 +10,8 @@ struct GlLimits {
     unsigned arrayLayers = 0;
     unsigned groupCountX = 0; ///< work groups of one dispatch
     unsigned groupCountY = 0;
+    bool programBinaries = false; ///< the driver gives compiled shaders out and takes them back
+    bool shaderClock = false;     ///< shaders may read the device's clock (GL_ARB_shader_clock)
     bool subgroups = false; ///< compute shaders may count votes (GL_KHR_shader_subgroup); no software does
 };
 

@@ -1,6 +1,7 @@
 #include "tools/rt-trace/gl_objects.h"
 
 #include "common/error.h"
+#include "tools/rt-trace/shader_cache.h"
 
 #include <epoxy/gl.h>
 #include <fmt/format.h>
@@ -196,16 +197,22 @@ void writeTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum form
 }
 
 // No status is asked for here: that would wait for the compiler.
-CompilingProgram::CompilingProgram(ShaderText source)
-    : source_(std::move(source)), shader_(glCreateShader(GL_COMPUTE_SHADER)), program_(glCreateProgram()) {
+CompilingProgram::CompilingProgram(ShaderText source, const ShaderCache* cache)
+    : source_(std::move(source)), cache_(cache), program_(cache ? cache->load(source_.text) : GlProgram()),
+      fromCache_(program_.name() != 0) {
+    if (fromCache_) return;
+    shader_ = GlShader(glCreateShader(GL_COMPUTE_SHADER));
+    program_ = GlProgram(glCreateProgram());
     const char* const text = source_.text.c_str();
     glShaderSource(shader_.name(), 1, &text, nullptr);
     glCompileShader(shader_.name());
     glAttachShader(program_.name(), shader_.name());
+    if (cache) glProgramParameteri(program_.name(), GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
     glLinkProgram(program_.name());
 }
 
 GlProgram CompilingProgram::finish() {
+    if (fromCache_) return std::move(program_);
     const std::string entry = source_.files.size() > 1 ? source_.files[1] : "shader";
     GLint ok = GL_FALSE;
     glGetShaderiv(shader_.name(), GL_COMPILE_STATUS, &ok);
@@ -222,6 +229,7 @@ GlProgram CompilingProgram::finish() {
                         nameFiles(logOf(program_.name(), glGetProgramiv, glGetProgramInfoLog), source_)));
     glDetachShader(program_.name(), shader_.name());
     checkGl("compiling " + entry);
+    if (cache_) cache_->store(source_.text, program_);
     return std::move(program_);
 }
 

@@ -98,17 +98,23 @@ void readTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum forma
 void writeTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum format, GlEnum type,
                  std::span<const std::byte> texels);
 
+class ShaderCache;
+
 /// A compute shader that the driver may go on compiling, on threads of its own, while other commands follow.
 class CompilingProgram {
 public:
-    explicit CompilingProgram(ShaderText source);
+    /// Takes it from `cache`, if there is one and it is there, and puts it there in finish() otherwise.
+    explicit CompilingProgram(ShaderText source, const ShaderCache* cache = nullptr);
+    bool isFromCache() const { return fromCache_; }
     /// Waits for it; to be called once. Throws Error{Internal} with the driver's log, files named.
     GlProgram finish();
 
 private:
     ShaderText source_;
-    GlShader shader_;
+    const ShaderCache* cache_;
     GlProgram program_;
+    bool fromCache_;
+    GlShader shader_; // none of a program from the cache
 };
 
 /// Compiles and links a compute shader. Throws as CompilingProgram::finish() does.

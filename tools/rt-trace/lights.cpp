@@ -1,7 +1,5 @@
 #include "tools/rt-trace/lights.h"
 
-#include "formats/mesh.h"
-
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -20,6 +18,21 @@ struct WorldLight {
     glm::dvec3 intensity;
     Light light;
 };
+
+// Intensity that gives a white diffuse surface at this distance, facing the light, a radiance of 1; of a
+// rectangle as if it were small.
+double intensityPerRadiance(const Light& light, double distance) {
+    const double squared = distance * distance;
+    if (light.kind.x == kLightDirectional) return kPi;
+    if (light.kind.x == kLightRectangle) {
+        const double area =
+            4.0 * double(glm::length(glm::vec3(light.edgeU))) * double(glm::length(glm::vec3(light.edgeV)));
+        return kPi * squared / area;
+    }
+    if (light.kind.x == kLightSphere)
+        return std::max(1.0, squared / (double(light.position.w) * double(light.position.w)));
+    return kPi * squared;
+}
 
 WorldLight whiteLight(const glm::dvec3& position, double radiance, double distance) {
     return {position, glm::dvec3(radiance * kPi * distance * distance), pointLight({}, {})};
@@ -66,8 +79,9 @@ std::vector<WorldLight> worldLights(const std::vector<LightRequest>& requested, 
         // Not nearer than part of the scene's size, or a light at the centre would be dark.
         const double distance =
             std::max(glm::distance(light.position, scene.centre()), 0.25 * sceneRadius(scene));
-        lights.push_back(whiteLight(light.position, kKeyRadiance, distance));
-        if (light.intensity) lights.back().intensity = glm::dvec3(*light.intensity);
+        const glm::dvec3 usual(kKeyRadiance * intensityPerRadiance(light.shape, distance));
+        lights.push_back(
+            {light.position, light.intensity ? glm::dvec3(*light.intensity) : usual, light.shape});
     }
     if (lights.empty())
         for (const Light& light : atlas.lights)

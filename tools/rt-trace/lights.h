@@ -2,6 +2,7 @@
 #include "common/bounds.h"
 #include "formats/atlas.h"
 #include "formats/gpu_interface.shared.h"
+#include "formats/mesh.h"
 #include "tools/rt-trace/camera.h"
 
 #include <optional>
@@ -9,11 +10,12 @@
 
 namespace rt {
 
-/// A point light of the command line.
+/// A light of the command line.
 struct LightRequest {
     glm::dvec3 position{0.0}; ///< world
-    std::optional<glm::vec3>
-        intensity; ///< absent: enough for a white surface at the scene's centre, see lights.cpp
+    /// Absent: enough for a white surface at the scene's centre that faces it, see lights.cpp.
+    std::optional<glm::vec3> intensity = {};
+    Light shape = pointLight({}, {}); ///< all but place and intensity, world
 };
 
 /// The lights of a picture in atlas space: those of the command line, else those of the atlas, of whatever

@@ -2,12 +2,20 @@
 
 #include "common/error.h"
 #include "formats/parallel_check.h"
-#include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/sample_slots.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace rt {
 namespace {
+
+std::optional<ShaderCache> openCache(const TraceOptions& options, const GlLimits& limits) {
+    if (options.noShaderCache || !limits.programBinaries) return std::nullopt;
+    const std::optional<std::filesystem::path> folder = shaderCacheFolder();
+    return folder ? std::optional<ShaderCache>(*folder) : std::nullopt;
+}
 
 GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, ShaderKind kind,
                        const ChooseNeeds& choose, StageTimer& stages) {
@@ -25,9 +33,20 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     needs.features.software = scene.context->device().software;
     if (kind == ShaderKind::Render) needs.features.subgroups = limits.subgroups;
     scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
+    needs.memory.push_back({"the atlas", uploadedBytes(file.atlas, scene.plan), kSmallerAtlas});
+    scene.memoryBytes = sumOf(needs.memory);
+    const std::optional<MemoryLimit> memory = gpuMemoryLimit(scene.context->device(), options.maxGpuMemory);
+    requireGpuMemory(needs.memory, memory, name);
+    if (kind == ShaderKind::Render) {
+        const std::uint64_t left = memory ? memory->bytes - scene.memoryBytes : SampleSlots::kMostBytes;
+        scene.mostSamples = std::min(needs.samples, left / 2 / slotLayout(scene.plan.features).bytes());
+        scene.memoryBytes += SampleSlots::bytesFor(scene.plan.features, limits, scene.mostSamples);
+    }
     scene.plan.features.countWork = 0;
     stages.begin("compile");
-    CompilingPrograms programs = startVariant(scene.plan);
+    scene.cache = openCache(options, limits);
+    CompilingPrograms programs = startVariant(scene.plan, scene.shaderCache());
+    scene.programsFromCache = programs.areFromCache();
     stages.begin("upload");
     scene.atlas = uploadAtlas(file.atlas, scene.plan, limits, needs.lightCount, name);
     stages.begin("compile");

@@ -3,6 +3,7 @@
 #include "formats/atlas_file.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/options.h"
+#include "tools/rt-trace/shader_cache.h"
 #include "tools/rt-trace/shader_variant.h"
 #include "tools/rt-trace/upload_atlas.h"
 
@@ -18,12 +19,20 @@ struct GpuScene {
     ResourcePlan plan;                  ///< of `programs`
     GpuAtlas atlas;
     GpuPrograms programs;
+    std::optional<ShaderCache> cache;
+    bool programsFromCache = false;
+    std::uint64_t mostSamples = 0; ///< that a picture may have on their way, see GpuView
+    std::uint64_t memoryBytes = 0; ///< of the device, for the atlas and what comes beside it
+
+    const ShaderCache* shaderCache() const { return cache ? &*cache : nullptr; }
 };
 
 /// What a picture, or a set of rays, wants of an atlas.
 struct SceneNeeds {
     SceneFeatures features; ///< countWork: room for a variant that counts, beside the one that does not
     unsigned lightCount = 0;
+    std::vector<MemoryNeed> memory; ///< beside the atlas
+    std::uint64_t samples = 0;      ///< of a picture, see samplesToTrace()
 };
 /// Is given an atlas of which only the sizes are validated.
 using ChooseNeeds = std::function<SceneNeeds(const Atlas& atlas, const GlLimits& limits)>;

@@ -23,6 +23,7 @@ constexpr std::array<const char*, 3> kIntersectNames = {"watertight", "moller-tr
 struct OptionTexts {
     PictureTexts picture;
     std::string rayOrder = "auto";
+    std::string maxGpuMemory;
     std::string precision = "float";
     std::string intersect = kIntersectNames[0];
 };
@@ -70,22 +71,37 @@ void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) 
         ->check(CLI::IsMember({kIntersectNames[0], kIntersectNames[1], kIntersectNames[2]}).description(""))
         ->type_name(fmt::format("{}", fmt::join(kIntersectNames, "|")))
         ->capture_default_str();
+    app.add_option("--max-gpu-memory", texts.maxGpuMemory,
+                   "Most that the device's memory is to hold; the scene and the picture are added up before "
+                   "anything is uploaded; else what the driver says is free")
+        ->type_name("SIZE[K|M|G]");
+    app.add_flag("--no-shader-cache", options.noShaderCache,
+                 "Compile anew, and keep nothing in ~/.cache/rt-tools (or $XDG_CACHE_HOME/rt-tools)");
     app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
 }
 
-// Options of pictures and of ray queries do not mix.
+// Options of pictures and of ray queries do not mix, nor with lists.
 void checkGroups(const CLI::App& app, const TraceOptions& options) {
     const bool query = !options.raysPath.empty();
+    const char* const list = options.listDevices   ? "--list-devices"
+                             : options.listCameras ? "--list-cameras"
+                                                   : nullptr;
     for (const CLI::Option* option : app.get_options()) {
         const bool ofPictures = option->get_group().rfind(kPictureGroup, 0) == 0;
+        const bool makesSomething =
+            ofPictures || option->get_group() == kQueryGroup || option->get_name() == "--output";
+        if (list && makesSomething && option->count() > 0)
+            throw Error(ErrorKind::Usage, fmt::format("{} does not go with {}", option->get_name(), list));
         if (option->count() > 0 && (query ? ofPictures : option->get_group() == kQueryGroup))
             throw Error(ErrorKind::Usage, fmt::format("{} {} --rays", option->get_name(),
                                                       query ? "does not go with" : "needs"));
     }
 }
 
-void convertTexts(const OptionTexts& texts, TraceOptions& options) {
-    convertPictureTexts(texts.picture, options);
+void convertTexts(const CLI::App& app, const OptionTexts& texts, TraceOptions& options) {
+    convertPictureTexts(app, texts.picture, options);
+    if (!texts.maxGpuMemory.empty())
+        options.maxGpuMemory = parseByteSize(texts.maxGpuMemory, "--max-gpu-memory");
     options.doublePrecision = texts.precision == "double";
     options.intersect = static_cast<unsigned>(
         std::find(kIntersectNames.begin(), kIntersectNames.end(), texts.intersect) - kIntersectNames.begin());
@@ -131,8 +147,10 @@ std::vector<std::string> outputsOf(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths)
         paths.push_back(options.frames ? framePath(path, options.frames->first).value_or(path) : path);
     if (!options.checkpointPath.empty()) paths.push_back(options.checkpointPath);
-    if (options.explain) paths.push_back("-");
     if (!options.common.jsonPath.empty()) paths.push_back(options.common.jsonPath);
+    // Whoever wants JSON on standard output gets nothing else there.
+    const bool text = options.explain || options.listDevices || options.listCameras;
+    if (text && options.common.jsonPath != "-") paths.push_back("-");
     return paths;
 }
 
@@ -155,10 +173,10 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
     addCommonOptions(app, options.common,
                      fmt::format("libepoxy {}, OpenEXR {}", RT_EPOXY_VERSION, RT_OPENEXR_VERSION));
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
-    if (options.listDevices) return options;
     checkGroups(app, options);
+    if (options.listDevices) return options;
     checkDevice(options.device);
-    convertTexts(texts, options);
+    convertTexts(app, texts, options);
     checkPaths(options);
     return options;
 }

@@ -2,6 +2,7 @@
 #include "common/command_line.h"
 #include "tools/rt-trace/aovs.h"
 #include "tools/rt-trace/camera.h"
+#include "tools/rt-trace/frame_range.h"
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/ray_order.h"
 #include "tools/rt-trace/tone_map.h"
@@ -12,12 +13,7 @@
 
 namespace rt {
 
-/// Pictures of which the first and the last have these numbers.
-struct FrameRange {
-    unsigned first = 0, last = 0;
-};
-
-enum class Heat { None, Steps, Tests };
+enum class Heat { None, Steps, Tests, Time };
 
 /// What the command line of rt-trace asks for.
 struct TraceOptions {
@@ -26,6 +22,8 @@ struct TraceOptions {
     bool listCameras = false;
     bool explain = false;
     std::string device = "auto";
+    bool noShaderCache = false;
+    std::optional<std::uint64_t> maxGpuMemory; ///< bytes
     std::string scenePath;
     std::vector<std::string> outputPaths;
     bool stats = false;

@@ -1,6 +1,5 @@
 #include "tools/rt-trace/picture.h"
 
-#include "common/log.h"
 #include "tools/rt-trace/checkpoint.h"
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/render_image.h"
@@ -14,17 +13,19 @@ namespace rt {
 namespace {
 
 /// Takes the samples of `tiles` again with a variant that counts.
-WorkTotals countWork(const TraceOptions& options, ResourcePlan plan, const GlContext& context,
-                     const PictureSetup& setup, const TileSamples& rendered) {
+WorkTotals countWork(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
+                     const TileSamples& rendered) {
+    ResourcePlan plan = scene.plan;
     plan.features.countWork = 1;
-    const GpuPrograms programs = compileVariant(plan);
-    const Film film(options.size, plan.features, context.limits());
-    GpuView view(setup.camera, setup.params, setup.lights, plan.features, context.limits());
+    const GpuPrograms programs = compileVariant(plan, scene.shaderCache());
+    const GlLimits& limits = scene.context->limits();
+    const Film film(options.window, plan.features, limits);
+    GpuView view(setup.camera, setup.params, setup.lights, plan.features, limits, scene.mostSamples);
     view.bind();
     film.bind();
     TileSamples tiles = rendered;
     for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
-    renderTiles(programs, view, film, context, tiles, {});
+    renderTiles(programs, view, film, *scene.context, tiles, {});
     return sumWork(film.readCounters(rendered.window()));
 }
 
@@ -42,12 +43,10 @@ void runLoop(const TraceOptions& options, const GpuScene& scene, GpuView& view, 
     if (control.save) save(picture.figures.gpuMs);
 }
 
-void checkPixels(const TraceOptions& options, const FilmPixels& pixels) {
+void requireWholePixels(const TraceOptions& options, const FilmPixels& pixels) {
     requireWholeWalks(
         static_cast<std::size_t>(std::count(pixels.ids.begin(), pixels.ids.end(), kWalkCutShort)), "pixels",
         options.scenePath);
-    if (const std::size_t count = countNonFinite(pixels))
-        logWarning(fmt::format("{}: {} pixels are not finite", options.scenePath, count));
 }
 
 } // namespace
@@ -55,8 +54,9 @@ void checkPixels(const TraceOptions& options, const FilmPixels& pixels) {
 Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
                       StageTimer& stages) {
     const GlContext& context = *scene.context;
-    const Film film(options.size, scene.plan.features, context.limits());
-    GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features, context.limits());
+    const Film film(options.window, scene.plan.features, context.limits());
+    GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features, context.limits(),
+                 scene.mostSamples);
     const PictureIdentity identity = identityOf(options, setup, scene.plan.features, scene.file.contentHash);
     Picture picture{{}, TileSamples(options.window, options.samples), {}};
     if (!options.resumePath.empty())
@@ -72,9 +72,11 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     runLoop(options, scene, view, film, identity, picture);
     stages.begin("readback");
     picture.pixels = film.read(options.window, picture.tiles.perPixel());
+    if (options.aovs & kAovMaterial)
+        picture.pixels.materials = materialsOf(picture.pixels.ids, scene.file.atlas.triangleVertices);
     stages.end();
-    checkPixels(options, picture.pixels);
-    if (options.stats) picture.work = countWork(options, scene.plan, context, setup, picture.tiles);
+    requireWholePixels(options, picture.pixels);
+    if (options.stats) picture.work = countWork(options, scene, setup, picture.tiles);
     if (options.heat != Heat::None)
         picture.heatMost = paintHeat(picture.pixels, options.heat, options.heatMost);
     return picture;

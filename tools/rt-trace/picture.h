@@ -4,6 +4,7 @@
 #include "tools/rt-trace/picture_setup.h"
 #include "tools/rt-trace/render_loop.h"
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 
 namespace rt {
@@ -15,7 +16,8 @@ struct Picture {
     LoopFigures figures;
     double earlierMs = 0.0; ///< gpuMs of the runs that it was resumed from
     std::optional<WorkTotals> work = {};
-    double heatMost = 0.0; ///< what --heat shows in yellow
+    double heatMost = 0.0;     ///< what --heat shows in yellow
+    std::size_t nonFinite = 0; ///< pixels of the written image, see countNonFinite()
 };
 
 /// Renders with what has been brought to the device. Resumes from and writes checkpoints where the options
@@ -30,8 +32,7 @@ Image imageOf(const Picture& picture, const TraceOptions& options, const GpuScen
 
 void logPicture(const Picture& picture, const TraceOptions& options);
 
-/// Writes the --json file, if there is to be one.
-void reportPicture(const Picture& picture, const TraceOptions& options, const GpuScene& scene,
-                   const PictureSetup& setup, const StageTimer& stages);
+/// What the --json file says of it.
+nlohmann::json figuresOf(const Picture& picture, const TraceOptions& options, const PictureSetup& setup);
 
 } // namespace rt

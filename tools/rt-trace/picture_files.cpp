@@ -15,14 +15,27 @@ std::vector<float>* valuesOf(Image& image, const char* name) {
     return nullptr;
 }
 
+// Of the pixels: some are interrupted while the clock goes on.
+constexpr double kTimedPart = 0.99;
+
+// What this part of the pixels does not exceed.
+double figureAtPart(const std::vector<glm::vec4>& figures, int component, double part) {
+    std::vector<float> values;
+    for (const glm::vec4& ofPixel : figures) values.push_back(ofPixel[component]);
+    if (values.empty()) return 0.0;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(part * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
 } // namespace
 
 double paintHeat(FilmPixels& pixels, Heat heat, double most) {
+    const std::vector<glm::vec4>& figures = heat == Heat::Time ? pixels.albedos : pixels.texcoords;
     const int component = heat == Heat::Steps ? 2 : 3;
-    if (most <= 0.0)
-        for (const glm::vec4& figures : pixels.texcoords) most = std::max(most, double(figures[component]));
+    if (most <= 0.0) most = figureAtPart(figures, component, heat == Heat::Time ? kTimedPart : 1.0);
     for (std::size_t i = 0; i < pixels.colors.size(); ++i) {
-        const double figure = pixels.texcoords[i][component];
+        const double figure = figures[i][component];
         const glm::dvec3 color = heatColor(most > 0.0 ? figure / most : 0.0);
         for (int c = 0; c < 3; ++c) pixels.colors[i][c] = static_cast<float>(decodeSrgb(color[c]));
     }

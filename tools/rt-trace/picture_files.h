@@ -6,7 +6,8 @@
 namespace rt {
 
 /// Makes the colours show what pixels cost, see heatColor(): linear light, so that a PNG and an EXR show the
-/// same. Returns the figure that is shown in yellow: `most`, or the picture's largest where that is 0. The
+/// same. Returns the figure that is shown in yellow: `most`, or, where that is 0, the picture's largest, of
+/// times what 99 % of the pixels do not exceed. The
 /// film must have had the extra AOVs.
 double paintHeat(FilmPixels& pixels, Heat heat, double most);
 

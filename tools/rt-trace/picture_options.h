@@ -1,39 +1,19 @@
 #pragma once
-#include "tools/rt-trace/options.h"
-
-namespace CLI {
-class App;
-}
+#include "tools/rt-trace/option_groups.h"
 
 namespace rt {
 
-/// Groups of --help whose options are for pictures begin like this.
-inline constexpr const char* kPictureGroup = "Pictures";
-
 /// Options whose text is parsed once all of them are known.
 struct PictureTexts {
-    std::string size = "512x512";
-    std::string crop;
-    std::string ambient;
-    std::string background = "0.32,0.4,0.5";
-    std::string view;
-    std::string eye, lookAt, up;
-    std::vector<std::string> lights;
-    std::string filter = "box";
-    std::optional<double> filterRadius;
-    std::optional<unsigned> samples;
-    std::string aovs = "Z,N,id";
-    std::string toneMap = "none";
-    std::string heat;
-    std::string frames;
+    CameraTexts camera;
+    LightTexts light;
+    SampleTexts samples;
+    OutputTexts output;
 };
 
 void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts);
 
 /// Throws Error{Usage}.
-void convertPictureTexts(const PictureTexts& texts, TraceOptions& options);
-
-/// The path with its %d or %04d replaced by the frame's number; nothing unless there is exactly one.
-std::optional<std::string> framePath(const std::string& path, unsigned frame);
+void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOptions& options);
 
 } // namespace rt

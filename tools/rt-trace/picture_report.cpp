@@ -1,6 +1,4 @@
-#include "common/json_file.h"
 #include "common/log.h"
-#include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/picture.h"
 #include "tools/rt-trace/report.h"
 
@@ -25,13 +23,6 @@ nlohmann::json samplesToJson(const TraceOptions& options, const Picture& picture
             {"tilesStoppedByError", picture.figures.tilesStopped}};
 }
 
-nlohmann::json sectionsToJson(const GpuScene& scene) {
-    nlohmann::json sections = nlohmann::json::array();
-    for (const SectionUse& use : sectionUses(scene.file.atlas, scene.plan))
-        sections.push_back({{"name", use.name}, {"bytes", use.bytes}, {"uploaded", use.uploaded}});
-    return sections;
-}
-
 } // namespace
 
 void logPicture(const Picture& picture, const TraceOptions& options) {
@@ -46,27 +37,28 @@ void logPicture(const Picture& picture, const TraceOptions& options) {
                                mraysPerSecond(work->rays, gpuMs), double(work->steps) / double(work->rays),
                                double(work->tests) / double(work->rays));
     logInfo(figures);
+    if (picture.nonFinite > 0)
+        logWarning(
+            fmt::format("{} pixels have channels that are no finite numbers: light of more than 1e38, or "
+                        "a variance of more than that, does not fit into floats",
+                        picture.nonFinite));
 }
 
-void reportPicture(const Picture& picture, const TraceOptions& options, const GpuScene& scene,
-                   const PictureSetup& setup, const StageTimer& stages) {
-    if (options.common.jsonPath.empty()) return;
-    nlohmann::json report;
-    reportCommon(report, scene, stages);
-    reportCamera(report, setup.pose);
-    report["width"] = options.window.z - options.window.x;
-    report["height"] = options.window.w - options.window.y;
-    report["gpuMs"] = picture.figures.gpuMs;
-    report["earlierGpuMs"] = picture.earlierMs;
-    report["samples"] = samplesToJson(options, picture);
-    report["sections"] = sectionsToJson(scene);
-    if (options.heat != Heat::None) report["heatMost"] = picture.heatMost;
-    if (options.frames) report["frames"] = {options.frames->first, options.frames->last};
+nlohmann::json figuresOf(const Picture& picture, const TraceOptions& options, const PictureSetup& setup) {
+    nlohmann::json figures;
+    reportCamera(figures, setup.pose);
+    figures["width"] = options.window.z - options.window.x;
+    figures["height"] = options.window.w - options.window.y;
+    figures["gpuMs"] = picture.figures.gpuMs;
+    figures["earlierGpuMs"] = picture.earlierMs;
+    figures["samples"] = samplesToJson(options, picture);
+    figures["nonFinitePixels"] = picture.nonFinite;
+    if (options.heat != Heat::None) figures["heatMost"] = picture.heatMost;
     if (picture.work) {
-        reportWork(report, *picture.work, picture.figures.gpuMs);
-        report["selfHits"] = picture.work->selfHits;
+        reportWork(figures, *picture.work, picture.figures.gpuMs);
+        figures["selfHits"] = picture.work->selfHits;
     }
-    writeJson(options.common.jsonPath, report);
+    return figures;
 }
 
 } // namespace rt

@@ -18,6 +18,7 @@ RenderParams renderParams(const TraceOptions& options, const GridParams& grid) {
     params.environment = glm::vec4(glm::vec3(static_cast<float>(options.environmentStrength)),
                                    static_cast<float>(options.environmentTurn / 360.0));
     params.filterSize.x = static_cast<float>(options.filterRadius);
+    params.size = {options.size, options.window.x, options.window.y};
     params.region = options.window;
     params.samples = {0, options.samples, options.seed, options.filter};
     return params;
@@ -52,6 +53,7 @@ PictureNeeds needsOf(const TraceOptions& options, const PictureSetup& setup) {
     needs.lens = setup.pose.lensRadius > 0.0;
     needs.multisample = options.samples > 1;
     needs.aovs = (options.aovs & kExtraAovs) != 0 || options.heat != Heat::None;
+    needs.time = (options.aovs & kAovTime) != 0 || options.heat == Heat::Time;
     needs.moments = (options.aovs & kAovVariance) != 0 || options.targetError > 0.0;
     return needs;
 }

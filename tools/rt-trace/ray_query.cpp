@@ -35,16 +35,30 @@ void bindStorage(GLuint binding, const GlBuffer& buffer) {
     if (buffer.name()) glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, buffer.name());
 }
 
+std::uint64_t batchOf(std::uint64_t rayCount, const GlLimits& limits) {
+    const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
+    const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
+    return std::min({rayCount, kMostRays, perBuffer, perDispatch});
+}
+
+std::size_t hitBytesOf(const SceneFeatures& features) {
+    return features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit);
+}
+
 } // namespace
+
+std::uint64_t GpuRays::bytesFor(std::uint64_t rayCount, const SceneFeatures& features,
+                                const GlLimits& limits) {
+    const std::size_t perRay =
+        sizeof(QueryRay) + hitBytesOf(features) + (features.countWork ? sizeof(glm::uvec4) : 0);
+    return batchOf(rayCount, limits) * perRay;
+}
 
 GpuRays::GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
                  std::uint64_t maxBatch, std::optional<unsigned> mostRaysPerLane)
     : limits_(limits), raysPerLane_(raysPerLane(features).average),
       mostRaysPerLane_(mostRaysPerLane.value_or(raysPerLane(features).most)),
-      hitBytes_(features.doublePrecision ? sizeof(QueryHitDouble) : sizeof(QueryHit)) {
-    const std::uint64_t perBuffer = limits.resources.storageBlockBytes / sizeof(QueryRay);
-    const std::uint64_t perDispatch = std::uint64_t(limits.groupCountX) * limits.groupCountY * kRaysPerGroup;
-    batchSize_ = std::min({rayCount, kMostRays, perBuffer, perDispatch, maxBatch});
+      batchSize_(std::min(batchOf(rayCount, limits), maxBatch)), hitBytes_(hitBytesOf(features)) {
     params_ = createDynamicBuffer(sizeof(QueryParams), kFewerRays);
     rays_ = createDynamicBuffer(batchSize_ * sizeof(QueryRay), kFewerRays);
     hits_ = createOutputBuffer(batchSize_ * hitBytes_, kFewerRays);

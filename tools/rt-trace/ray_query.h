@@ -21,6 +21,9 @@ public:
     GpuRays(std::uint64_t rayCount, const SceneFeatures& features, const GlLimits& limits,
             std::uint64_t maxBatch = ~std::uint64_t(0), std::optional<unsigned> mostRaysPerLane = {});
 
+    /// What so many rays take on the device.
+    static std::uint64_t bytesFor(std::uint64_t rayCount, const SceneFeatures& features,
+                                  const GlLimits& limits);
     std::uint64_t batchSize() const { return batchSize_; }
     /// Replaces the batch; at most batchSize() rays.
     void upload(std::span<const QueryRay> rays);

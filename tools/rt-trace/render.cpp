@@ -5,6 +5,7 @@
 #include <epoxy/gl.h>
 
 #include <algorithm>
+#include <array>
 
 namespace rt {
 namespace {
@@ -21,7 +22,20 @@ unsigned samplesIn(const glm::uvec4& region) {
     return blocks.x * blocks.y * kBlock.x * kBlock.y;
 }
 
+// Cut between blocks; the region has more than one.
+std::array<glm::uvec4, 2> halvesOf(const glm::uvec4& region) {
+    const glm::uvec2 blocks = blocksIn(region);
+    const int axis = blocks.y > 1 ? 1 : 0; // rows stay whole
+    std::array<glm::uvec4, 2> halves = {region, region};
+    halves[0][axis + 2] = halves[1][axis] = region[axis] + blocks[axis] / 2 * kBlock[axis];
+    return halves;
+}
+
 } // namespace
+
+std::uint64_t samplesToTrace(const glm::uvec4& window, unsigned samples) {
+    return std::uint64_t(samplesIn(window)) * samples;
+}
 
 WorkTotals& WorkTotals::operator+=(const WorkTotals& other) {
     rays += other.rays;
@@ -52,10 +66,10 @@ RenderParams wholePicture(glm::uvec2 size) {
 }
 
 GpuView::GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
-                 const SceneFeatures& features, const GlLimits& limits)
+                 const SceneFeatures& features, const GlLimits& limits, std::uint64_t mostSamples)
     : params_(params), cameraBuffer_(createBuffer(std::as_bytes(std::span(&camera, 1)))),
       paramsBuffer_(createDynamicBuffer(sizeof(RenderParams))),
-      lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))), slots_(features, limits) {
+      lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))), slots_(features, limits, mostSamples) {
     params_.slots = {slots_.count(), 0, 0, 0};
 }
 
@@ -79,14 +93,13 @@ void GpuView::renderBatch(const GpuPrograms& programs, const glm::uvec4& region,
 }
 
 void GpuView::render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count) {
-    const unsigned inRow = blocksIn(region).x * kBlock.x * kBlock.y; // of blocks
-    const unsigned rows = std::max(slots_.count() / inRow, 1u) * kBlock.y;
-    for (unsigned y = region.y; y < region.w; y += rows) {
-        const glm::uvec4 band(region.x, y, region.z, std::min(y + rows, region.w));
-        const unsigned most = std::max(slots_.count() / samplesIn(band), 1u);
-        for (unsigned done = 0; done < count; done += most)
-            renderBatch(programs, band, first + done, std::min(most, count - done));
+    if (samplesIn(region) > slots_.count()) {
+        for (const glm::uvec4& half : halvesOf(region)) render(programs, half, first, count);
+        return;
     }
+    const unsigned most = slots_.count() / samplesIn(region);
+    for (unsigned done = 0; done < count; done += most)
+        renderBatch(programs, region, first + done, std::min(most, count - done));
 }
 
 void finishCompiling(const GpuPrograms& programs, GpuView& view) {

@@ -22,12 +22,16 @@ WorkTotals sumWork(std::span<const glm::uvec4> counters);
 /// One sample in the middle of each pixel of a picture; black behind the scene, no ambient light.
 RenderParams wholePicture(glm::uvec2 size);
 
+/// Of a window's pixels, [xy, zw), as they are traced: in blocks, which may reach beyond it.
+std::uint64_t samplesToTrace(const glm::uvec4& window, unsigned samples);
+
 /// Camera, parameters and lights in the device's memory.
 class GpuView {
 public:
-    /// `lights` are in atlas space, see chooseLights(); `features` are the program's.
+    /// `lights` are in atlas space, see chooseLights(); `features` are the programs'. There will not be room
+    /// for more than `mostSamples` samples.
     GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
-            const SceneFeatures& features, const GlLimits& limits);
+            const SceneFeatures& features, const GlLimits& limits, std::uint64_t mostSamples = 1u << 20);
     void bind() const;
     /// Renders `count` samples from `first` on of each pixel of a region, [xy, zw).
     void render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count);

@@ -18,6 +18,14 @@ ImageChannel floatChannel(const char* name, std::span<const glm::vec4> values, i
     return channel;
 }
 
+ImageChannel uintChannel(const char* name, const std::vector<std::uint32_t>& values) {
+    ImageChannel channel;
+    channel.name = name;
+    channel.type = ImageChannel::Type::Uint;
+    channel.uints = values;
+    return channel;
+}
+
 // glm's columns laid out one after the other are the rows of the matrix for row vectors.
 std::vector<float> rowMajorForRowVectors(const glm::dmat4& matrix) {
     std::vector<float> values;
@@ -90,6 +98,7 @@ constexpr ChannelRow kChannels[] = {
     {kAovTexcoord, "uv.V", &FilmPixels::texcoords, 1},
     {kAovSteps, "steps", &FilmPixels::texcoords, 2},
     {kAovTests, "tests", &FilmPixels::texcoords, 3},
+    {kAovTime, "time", &FilmPixels::albedos, 3},
 };
 
 void addChannels(Image& image, const FilmPixels& pixels, unsigned aovs) {
@@ -98,12 +107,8 @@ void addChannels(Image& image, const FilmPixels& pixels, unsigned aovs) {
         if ((row.aov == 0 || (aovs & row.aov)) && !values.empty())
             image.channels.push_back(floatChannel(row.name, values, row.component));
     }
-    if (aovs & kAovId) {
-        ImageChannel& ids = image.channels.emplace_back();
-        ids.name = "id";
-        ids.type = ImageChannel::Type::Uint;
-        ids.uints = pixels.ids;
-    }
+    if (aovs & kAovId) image.channels.push_back(uintChannel("id", pixels.ids));
+    if (aovs & kAovMaterial) image.channels.push_back(uintChannel("material", pixels.materials));
     if ((aovs & kAovVariance) && !pixels.variances.empty()) {
         ImageChannel& variance = image.channels.emplace_back();
         variance.name = "variance";
@@ -128,15 +133,21 @@ Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& rec
     return image;
 }
 
-std::size_t countNonFinite(const FilmPixels& pixels) {
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < pixels.colors.size(); ++i) {
-        const glm::vec4& color = pixels.colors[i];
-        const bool finite = std::isfinite(color.r) && std::isfinite(color.g) && std::isfinite(color.b) &&
-                            std::isfinite(pixels.surfaces[i].w);
-        if (!finite) ++count;
-    }
-    return count;
+std::vector<std::uint32_t> materialsOf(std::span<const std::uint32_t> ids,
+                                       std::span<const glm::uvec4> triangleVertices) {
+    std::vector<std::uint32_t> materials;
+    materials.reserve(ids.size());
+    for (const std::uint32_t id : ids)
+        materials.push_back(id < triangleVertices.size() ? triangleVertices[id].w : id);
+    return materials;
+}
+
+std::size_t countNonFinite(const Image& image) {
+    std::vector<bool> bad(image.pixelCount());
+    for (const ImageChannel& channel : image.channels)
+        for (std::size_t i = 0; i < channel.values.size(); ++i)
+            if (!std::isfinite(channel.values[i])) bad[i] = true;
+    return static_cast<std::size_t>(std::count(bad.begin(), bad.end(), true));
 }
 
 } // namespace rt

@@ -4,6 +4,8 @@
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/film.h"
 
+#include <span>
+
 namespace rt {
 
 /// What a picture's channels and attributes say besides its pixels.
@@ -11,9 +13,9 @@ struct RenderRecord {
     CameraPose camera;
     std::uint64_t sceneHash = 0; ///< of the .rtmesh
     std::uint64_t atlasHash = 0; ///< of the .rtatlas
-    std::string renderer;
-    std::optional<double> renderTimeSeconds; ///< absent: the picture is to be reproducible
-    unsigned samples = 1;                    ///< per pixel, at most
+    std::string renderer = {};
+    std::optional<double> renderTimeSeconds = {}; ///< absent: the picture is to be reproducible
+    unsigned samples = 1;                         ///< per pixel, at most
     std::uint32_t seed = 0;
     unsigned aovs = kDefaultAovs;
     std::optional<glm::uvec4> window = {}; ///< [xy, zw): the pixels are those of this part of the picture
@@ -28,7 +30,11 @@ struct RenderRecord {
 /// there are no near and far planes, orthographic z = depth. A panorama has none.
 Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& record);
 
-/// Pixels of which R, G, B or Z is not a finite number.
-std::size_t countNonFinite(const FilmPixels& pixels);
+/// Of each triangle of `ids` the material's index in the atlas; kNoTriangle stays what it is.
+std::vector<std::uint32_t> materialsOf(std::span<const std::uint32_t> ids,
+                                       std::span<const glm::uvec4> triangleVertices);
+
+/// Pixels of which any channel is not a finite number.
+std::size_t countNonFinite(const Image& image);
 
 } // namespace rt

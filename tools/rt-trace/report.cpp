@@ -1,5 +1,6 @@
 #include "tools/rt-trace/report.h"
 
+#include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/load_scene.h"
 
 #include <nlohmann/json.hpp>
@@ -34,12 +35,20 @@ void reportCommon(nlohmann::json& report, const GpuScene& scene, const StageTime
                        {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},
                        {"triangles", grid.counts.x},
                        {"bytes", scene.file.fileBytes}};
+    report["gpuMemoryBytes"] = scene.memoryBytes;
+    report["shaderFromCache"] = scene.programsFromCache;
     report["features"] = nlohmann::json::array();
     for (const FeatureRow& row : featureTable())
         report["features"].push_back(
             {{"macro", row.macro}, {"value", scene.plan.features.*row.field}, {"reason", row.reason}});
     for (const auto& [stage, ms] : stages.stagesMs()) report[stage + "Ms"] = ms;
     report["peakMemoryBytes"] = peakMemoryBytes();
+}
+
+void reportSections(nlohmann::json& report, const GpuScene& scene) {
+    report["sections"] = nlohmann::json::array();
+    for (const SectionUse& use : sectionUses(scene.file.atlas, scene.plan))
+        report["sections"].push_back({{"name", use.name}, {"bytes", use.bytes}, {"uploaded", use.uploaded}});
 }
 
 void reportWork(nlohmann::json& report, const WorkTotals& work, double gpuMs) {

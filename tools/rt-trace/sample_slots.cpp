@@ -10,18 +10,20 @@
 namespace rt {
 namespace {
 
-constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 31;
 constexpr std::uint64_t kMostSoftware = 1u << 15; // samples: more would not stay in caches
 constexpr unsigned kMoreRounds = 4;               // when those expected were not enough
 constexpr std::uint64_t kMostHardware = 1u << 24;
 
 using Rounds = std::array<TraceRound, kRoundsInGroup + 1>;
 
-unsigned slotCount(const SceneFeatures& features, const GlLimits& limits) {
-    const std::uint64_t bytes = std::min(kMostBytes, limits.resources.storageBlockBytes);
+constexpr std::uint64_t kQueueBytes = 2 * sizeof(std::uint32_t); // of a slot
+
+unsigned slotCount(const SceneFeatures& features, const GlLimits& limits, std::uint64_t most) {
+    const std::uint64_t bytes = std::min(SampleSlots::kMostBytes, limits.resources.storageBlockBytes);
     const std::uint64_t groups = std::min<std::uint64_t>(limits.groupCountX, 1u << 20);
+    const std::uint64_t wanted = std::max<std::uint64_t>(most, kRaysPerGroup);
     return static_cast<unsigned>(std::min({bytes / slotLayout(features).bytes(), groups * kRaysPerGroup,
-                                           features.software ? kMostSoftware : kMostHardware}));
+                                           wanted, features.software ? kMostSoftware : kMostHardware}));
 }
 
 unsigned groupsFor(unsigned samples) {
@@ -60,10 +62,16 @@ void copyRounds(const GlBuffer& from, unsigned first, const GlBuffer& to, unsign
 
 } // namespace
 
-SampleSlots::SampleSlots(const SceneFeatures& features, const GlLimits& limits)
-    : count_(slotCount(features, limits)), slots_(createOutputBuffer(count_ * slotLayout(features).bytes())),
-      rounds_(createOutputBuffer(sizeof(Rounds) + std::uint64_t(count_) * 2 * sizeof(std::uint32_t))),
-      noRounds_(createNoRounds()), answer_(createDynamicBuffer(sizeof(TraceRound))) {}
+SampleSlots::SampleSlots(const SceneFeatures& features, const GlLimits& limits, std::uint64_t most)
+    : count_(slotCount(features, limits, most)),
+      slots_(createOutputBuffer(count_ * slotLayout(features).bytes())),
+      rounds_(createOutputBuffer(sizeof(Rounds) + count_ * kQueueBytes)), noRounds_(createNoRounds()),
+      answer_(createDynamicBuffer(sizeof(TraceRound))) {}
+
+std::uint64_t SampleSlots::bytesFor(const SceneFeatures& features, const GlLimits& limits,
+                                    std::uint64_t most) {
+    return slotCount(features, limits, most) * (slotLayout(features).bytes() + kQueueBytes);
+}
 
 void SampleSlots::bind() const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_SLOTS, slots_.name());

@@ -11,7 +11,12 @@ namespace rt {
 /// Room on the device for the samples of a batch, and the rounds that trace one ray of each.
 class SampleSlots {
 public:
-    SampleSlots(const SceneFeatures& features, const GlLimits& limits);
+    static constexpr std::uint64_t kMostBytes = std::uint64_t(1) << 31;
+
+    /// As many slots as the device has room for, but not more than `most`.
+    SampleSlots(const SceneFeatures& features, const GlLimits& limits, std::uint64_t most);
+    /// What the constructor takes of the device's memory.
+    static std::uint64_t bytesFor(const SceneFeatures& features, const GlLimits& limits, std::uint64_t most);
     void bind() const;
     /// Samples that there is room for.
     unsigned count() const { return count_; }

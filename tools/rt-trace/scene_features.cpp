@@ -42,6 +42,8 @@ std::span<const FeatureRow> featureTable() {
         {"RT_HAS_LENS", &SceneFeatures::hasLens, "the camera has a lens"},
         {"RT_MULTISAMPLE", &SceneFeatures::multisample, "more than one sample per pixel"},
         {"RT_HAS_AOVS", &SceneFeatures::hasAovs, "channels beyond colour, N, Z and id were asked for"},
+        {"RT_HAS_TIME", &SceneFeatures::hasTime,
+         "the device's time was asked for, --heat time or --aov time"},
         {"RT_HAS_MOMENTS", &SceneFeatures::hasMoments, "the error is estimated"},
         {"RT_MAX_DEPTH", &SceneFeatures::maxDepth,
          "--max-depth, where a material in use reflects, transmits or stops part of the light only"},
@@ -105,6 +107,7 @@ SceneFeatures renderFeatures(const Atlas& atlas, const PictureNeeds& needs) {
     features.hasLens = needs.lens;
     features.multisample = needs.multisample;
     features.hasAovs = needs.aovs;
+    features.hasTime = needs.time;
     features.hasMoments = needs.moments;
     return features;
 }

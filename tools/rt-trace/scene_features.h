@@ -35,6 +35,7 @@ struct SceneFeatures {
     unsigned hasLens = 0;
     unsigned multisample = 0;
     unsigned hasAovs = 0;
+    unsigned hasTime = 0; ///< with hasAovs only
     unsigned hasMoments = 0;
     unsigned maxDepth = 0;
 };
@@ -60,6 +61,7 @@ struct PictureNeeds {
     bool lens = false;
     bool multisample = false; ///< else one sample in the middle of each pixel
     bool aovs = false;
+    bool time = false; ///< with aovs only
     bool moments = false;
 };
 

@@ -8,11 +8,14 @@ namespace {
 constexpr const char* kSubgroupExtensions = "#extension GL_KHR_shader_subgroup_basic : require\n"
                                             "#extension GL_KHR_shader_subgroup_ballot : require\n";
 
+constexpr const char* kClockExtension = "#extension GL_ARB_shader_clock : require\n";
+
 } // namespace
 
 ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const ShaderFinder& find) {
-    const std::string prelude = fmt::format("#version 450 core\n{}{}#define RT_GROUP_X {}\n",
+    const std::string prelude = fmt::format("#version 450 core\n{}{}{}#define RT_GROUP_X {}\n",
                                             plan.features.subgroups ? kSubgroupExtensions : "",
+                                            plan.features.hasTime ? kClockExtension : "",
                                             featureDefines(plan.features), kRaysPerGroup);
     const auto findWithResources = [&](std::string_view path) -> std::optional<std::string> {
         if (path == "shaders/resources.glsl") return resourceText(plan);
@@ -28,9 +31,13 @@ GpuPrograms CompilingPrograms::finish() {
     return programs;
 }
 
-CompilingPrograms startVariant(const ResourcePlan& plan) {
+bool CompilingPrograms::areFromCache() const {
+    return trace.isFromCache() && (!shade || shade->isFromCache());
+}
+
+CompilingPrograms startVariant(const ResourcePlan& plan, const ShaderCache* cache) {
     const auto start = [&](const char* entry) {
-        return CompilingProgram(variantText(plan, entry, embeddedShader));
+        return CompilingProgram(variantText(plan, entry, embeddedShader), cache);
     };
     if (plan.kind == ShaderKind::Render)
         return {start("shaders/trace.comp.glsl"), start("shaders/shade.comp.glsl")};
@@ -38,8 +45,8 @@ CompilingPrograms startVariant(const ResourcePlan& plan) {
     return {start(scattered ? "shaders/query_scattered.comp.glsl" : "shaders/query.comp.glsl"), {}};
 }
 
-GpuPrograms compileVariant(const ResourcePlan& plan) {
-    return startVariant(plan).finish();
+GpuPrograms compileVariant(const ResourcePlan& plan, const ShaderCache* cache) {
+    return startVariant(plan, cache).finish();
 }
 
 } // namespace rt

@@ -20,12 +20,13 @@ struct GpuPrograms {
 struct CompilingPrograms {
     CompilingProgram trace;
     std::optional<CompilingProgram> shade;
+    bool areFromCache() const;
     /// As CompilingProgram::finish().
     GpuPrograms finish();
 };
-/// Starts to compile what the plan's kind and features want.
-CompilingPrograms startVariant(const ResourcePlan& plan);
+/// Starts to compile what the plan's kind and features want, or finds it in the cache.
+CompilingPrograms startVariant(const ResourcePlan& plan, const ShaderCache* cache = nullptr);
 /// Throws as compileComputeProgram() does.
-GpuPrograms compileVariant(const ResourcePlan& plan);
+GpuPrograms compileVariant(const ResourcePlan& plan, const ShaderCache* cache = nullptr);
 
 } // namespace rt

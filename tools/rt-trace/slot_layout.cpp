@@ -34,6 +34,7 @@ SlotLayout slotLayout(const SceneFeatures& f) {
     layout.firstHit = place(point);
     layout.color = place(1);
     layout.albedo = place(f.hasAovs ? 1 : 0);
+    layout.time = place(f.hasTime ? 1 : 0);
     layout.work = place(f.hasAovs || f.countWork ? 2 : 0);
     layout.resultPlanes = layout.planes;
     layout.flight = place(2 * point);
@@ -58,8 +59,8 @@ std::string slotText(const SlotLayout& layout) {
     const std::pair<const char*, unsigned> parts[] = {
         {"FirstHit", layout.firstHit}, {"Hit", layout.hit},       {"Flight", layout.flight},
         {"Color", layout.color},       {"Path", layout.path},     {"Arriving", layout.arriving},
-        {"Lit", layout.lit},           {"Albedo", layout.albedo}, {"Work", layout.work},
-        {"Stack", layout.stack}};
+        {"Lit", layout.lit},           {"Albedo", layout.albedo}, {"Time", layout.time},
+        {"Work", layout.work},         {"Stack", layout.stack}};
     for (const auto& [name, plane] : parts) text += fmt::format("const uint kPlane{} = {}u;\n", name, plane);
     return text + fmt::format("const uint kResultPlanes = {}u;\nconst uint kRecordPlanes = {}u;\n",
                               layout.resultPlanes, layout.planes - layout.resultPlanes);

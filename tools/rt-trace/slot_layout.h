@@ -12,8 +12,8 @@ struct SlotLayout {
     unsigned pointPlanes = 0; ///< of a point or direction and a word with it
     // The first plane of each part; parts that a variant does not have are empty.
     unsigned firstHit = 0, hit = 0, flight = 0, color = 0, path = 0, arriving = 0, lit = 0, albedo = 0,
-             work = 0, stack = 0;
-    unsigned resultPlanes = 0; ///< firstHit, color, albedo, work
+             time = 0, work = 0, stack = 0;
+    unsigned resultPlanes = 0; ///< firstHit, color, albedo, time, work
     unsigned planes = 0;
 
     std::uint64_t bytes() const { return std::uint64_t(planes) * 16; } ///< of a slot

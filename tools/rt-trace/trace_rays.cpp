@@ -109,6 +109,7 @@ SceneFeatures featuresFor(const TraceOptions& options, const Atlas& atlas, std::
                                  ? limits.subgroups && areScattered(rays, atlas.grid)
                                  : options.rayOrder == RayOrder::Scattered;
     features.subgroups = features.scatteredRays && limits.subgroups;
+    features.doublePrecision = options.doublePrecision;
     features.countWork = options.stats;
     return features;
 }
@@ -126,7 +127,7 @@ Traced trace(const TraceOptions& options, const GpuScene& scene, std::span<const
     stages.end();
     stages.add("firstDispatch", programMs());
     std::optional<GlProgram> countingProgram;
-    if (options.stats) countingProgram = compileVariant(counting).trace;
+    if (options.stats) countingProgram = compileVariant(counting, scene.shaderCache()).trace;
     return traceBatches(rays, gpuRays, {scene.programs.trace, countingProgram}, options.repeat,
                         context.device().software, stages);
 }
@@ -158,7 +159,11 @@ void traceRays(const TraceOptions& options) {
     const SharedSpan<std::byte> rayBytes = readFile(options.raysPath, rayStream());
     const std::span<const QueryRay> rays = asRays(rayBytes, options.raysPath);
     const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
-        return {featuresFor(options, atlas, rays, limits)};
+        const SceneFeatures features = featuresFor(options, atlas, rays, limits);
+        return {features,
+                0,
+                {{"rays and hits", GpuRays::bytesFor(rays.size(), features, limits),
+                  "trace fewer rays at a time"}}};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Query, choose, stages);
     const Traced traced = trace(options, scene, rays, stages);

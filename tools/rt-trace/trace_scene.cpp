@@ -2,30 +2,35 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
+#include "common/json_file.h"
 #include "common/log.h"
 #include "tools/rt-trace/camera_path.h"
 #include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/picture.h"
 #include "tools/rt-trace/picture_files.h"
-#include "tools/rt-trace/picture_options.h"
+#include "tools/rt-trace/render_image.h"
+#include "tools/rt-trace/report.h"
 #include "tools/rt-trace/upload_environment.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace rt {
 namespace {
 
-/// Renders and writes what the options' outputs name.
-void makePicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
-                 StageTimer& stages) {
-    const Picture picture = renderPicture(options, scene, setup, stages);
+/// Renders and writes what the options' outputs name. Returns its figures.
+nlohmann::json makePicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
+                           StageTimer& stages) {
+    Picture picture = renderPicture(options, scene, setup, stages);
     const bool heat = options.heat != Heat::None; // its colours are what they are
     stages.begin("write");
-    writePictures(options.outputPaths, imageOf(picture, options, scene, setup),
-                  heat ? ToneMap::None : options.toneMap, heat ? 0.0 : options.exposureStops);
+    const Image image = imageOf(picture, options, scene, setup);
+    picture.nonFinite = countNonFinite(image);
+    writePictures(options.outputPaths, image, heat ? ToneMap::None : options.toneMap,
+                  heat ? 0.0 : options.exposureStops);
     stages.end();
     logPicture(picture, options);
-    reportPicture(picture, options, scene, setup, stages);
+    return figuresOf(picture, options, setup);
 }
 
 /// Before the first frame is rendered: throws Error{InvalidContent} if one has a camera that sees nothing.
@@ -38,15 +43,18 @@ void checkPath(const TraceOptions& options, const std::vector<CameraKey>& path) 
         }
 }
 
-void makeFrames(const TraceOptions& options, const std::vector<CameraKey>& path, const GpuScene& scene,
-                PictureSetup& setup, StageTimer& stages) {
+nlohmann::json makeFrames(const TraceOptions& options, const std::vector<CameraKey>& path,
+                          const GpuScene& scene, PictureSetup& setup, StageTimer& stages) {
+    nlohmann::json frames = nlohmann::json::array();
     for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) {
         TraceOptions ofFrame = options;
         for (std::string& output : ofFrame.outputPaths) output = *framePath(output, frame);
         moveCamera(setup, cameraAt(path, frame, options.camera), options, scene.file.atlas);
         logInfo(fmt::format("frame {}", frame));
-        makePicture(ofFrame, scene, setup, stages);
+        frames.push_back(makePicture(ofFrame, scene, setup, stages));
+        frames.back()["frame"] = frame;
     }
+    return frames;
 }
 
 // Stays bound for all pictures. Nothing where there is none.
@@ -57,6 +65,32 @@ std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, con
     environment.emplace(setup.environment, scene.context->limits(), options.environment);
     environment->bind();
     return environment;
+}
+
+// --stats makes a film of its own, beside the first.
+std::vector<MemoryNeed> memoryOf(const TraceOptions& options, const PictureSetup& setup,
+                                 const SceneFeatures& features) {
+    SceneFeatures counting = features;
+    counting.countWork = 1;
+    const std::uint64_t counted = options.stats ? Film::bytesFor(options.window, counting) : 0;
+    return {{"the picture", Film::bytesFor(options.window, features) + counted, "lower --size or use --crop"},
+            {"the environment", GpuEnvironment::bytesFor(setup.environment), "scale --environment down"}};
+}
+
+void requireClock(const PictureNeeds& needs, const GlLimits& limits) {
+    if (needs.time && !limits.shaderClock)
+        throw Error(ErrorKind::NoGpu, "the device has no clock that shaders can read (GL_ARB_shader_clock), "
+                                      "as --heat time and --aov time need; use another --device");
+}
+
+// `figures`: what there is to say beside the scene.
+void report(const TraceOptions& options, const GpuScene& scene, const StageTimer& stages,
+            const nlohmann::json& figures) {
+    if (options.common.jsonPath.empty()) return;
+    nlohmann::json report = figures;
+    reportCommon(report, scene, stages);
+    reportSections(report, scene);
+    writeJson(options.common.jsonPath, report);
 }
 
 } // namespace
@@ -71,19 +105,26 @@ void traceScene(const TraceOptions& given) {
         options.camera = cameraAt(path, options.frames->first, options.camera);
     }
     PictureSetup setup;
-    const auto choose = [&](const Atlas& atlas, const GlLimits&) -> SceneNeeds {
+    const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
         setup = setUpPicture(options, atlas);
-        return {renderFeatures(atlas, needsOf(options, setup)), static_cast<unsigned>(setup.lights.size())};
+        const PictureNeeds needs = needsOf(options, setup);
+        requireClock(needs, limits);
+        const SceneFeatures features = renderFeatures(atlas, needs);
+        return {features, static_cast<unsigned>(setup.lights.size()), memoryOf(options, setup, features),
+                samplesToTrace(options.window, options.samples)};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
-    if (options.explain) writeFile("-", explanation(scene.file.atlas, scene.plan));
-    if (options.outputPaths.empty()) return;
+    if (options.explain && options.common.jsonPath != "-")
+        writeFile("-", explanation(scene.file.atlas, scene.plan));
+    if (options.outputPaths.empty()) return report(options, scene, stages, {});
     const std::optional<GpuEnvironment> environment = uploadEnvironment(options, setup, scene);
+    nlohmann::json figures;
     if (options.frames)
-        makeFrames(options, path, scene, setup, stages);
+        figures["frames"] = makeFrames(options, path, scene, setup, stages);
     else
-        makePicture(options, scene, setup, stages);
+        figures = makePicture(options, scene, setup, stages);
     logStages(stages);
+    report(options, scene, stages, figures);
 }
 
 } // namespace rt

@@ -47,6 +47,14 @@ GlTexture uploadPages(UploadRing& ring, const Atlas& atlas, const GlLimits& limi
 
 } // namespace
 
+std::uint64_t uploadedBytes(const Atlas& atlas, const ResourcePlan& plan) {
+    std::uint64_t bytes = atlas.voxels.size_bytes();
+    for (const PagedArray& array : plan.arrays) bytes += array.bytes.size();
+    if (plan.kind == ShaderKind::Render) bytes += atlas.materials.size_bytes();
+    if (plan.features.hasTextures) bytes += atlas.images.size_bytes() + atlas.pages.size_bytes();
+    return bytes;
+}
+
 GpuAtlas uploadAtlas(const Atlas& atlas, const ResourcePlan& plan, const GlLimits& limits,
                      unsigned lightCount, const std::string& name, std::size_t pieceBytes) {
     UploadRing ring(pieceBytes);

@@ -21,6 +21,9 @@ private:
     std::vector<std::pair<unsigned, GlTexture>> textures_; // unit, texture
 };
 
+/// How much of the atlas the plan brings to the device.
+std::uint64_t uploadedBytes(const Atlas& atlas, const ResourcePlan& plan);
+
 /// Uploads from the spans through an UploadRing of such pieces. The shader's grid.counts.w becomes
 /// `lightCount`. Only the arrays' sizes must be right, see validateSizes(): what is in them is not looked at.
 /// Throws Error{LimitExceeded}, prefixed by `name` where a limit of the device is known beforehand.

@@ -39,6 +39,10 @@ GpuEnvironment::GpuEnvironment(const EnvironmentMap& map, const GlLimits& limits
     checkGl("uploading the environment");
 }
 
+std::uint64_t GpuEnvironment::bytesFor(const EnvironmentMap& map) {
+    return map.pixels.size() * sizeof(glm::vec4) + map.cdf.size() * sizeof(float); // devices pad three floats
+}
+
 void GpuEnvironment::bind() const {
     glBindTextureUnit(RT_TEXTURE_ENVIRONMENT, texture_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_ENVIRONMENT, table_.name());

@@ -10,6 +10,7 @@ class GpuEnvironment {
 public:
     /// Throws Error{LimitExceeded}, message prefixed by `name`, if the device cannot hold it.
     GpuEnvironment(const EnvironmentMap& map, const GlLimits& limits, const std::string& name);
+    static std::uint64_t bytesFor(const EnvironmentMap& map);
     void bind() const;
 
 private:
