@@ -5,13 +5,16 @@
 #include "formats/atlas_file.h"
 #include "tools/rt-grid/report.h"
 #include "tools/rt-grid/vdb_export.h"
+#include "tools/rt-grid/verify_command.h"
 
 #include <nlohmann/json.hpp>
+
+#include <string_view>
 
 namespace rt {
 namespace {
 
-int gridMain(int argc, const char* const* argv) {
+int buildCommand(int argc, const char* const* argv) {
     const std::optional<GridOptions> options = parseGridOptions(argc, argv);
     if (!options) return 0;
     for (const std::string& path : outputsOf(*options)) requireWritable(path);
@@ -33,6 +36,12 @@ int gridMain(int argc, const char* const* argv) {
     logInfo(summaryOf(report));
     logStages(timer);
     return 0;
+}
+
+int gridMain(int argc, const char* const* argv) {
+    const std::string_view command = argc > 1 ? argv[1] : "";
+    if (command == "verify") return verifyCommand(argc - 1, argv + 1);
+    return buildCommand(argc, argv);
 }
 
 } // namespace

@@ -1,11 +1,10 @@
 #include "tools/rt-grid/options.h"
 
 #include "common/error.h"
+#include "tools/rt-grid/libraries.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <openvdb/version.h>
-#include <tbb/version.h>
 
 #include <algorithm>
 #include <array>
@@ -34,7 +33,8 @@ const char* const kDescription =
     ".rtatlas.\n"
     "The defaults suit all scenes that were measured. Touch --quality to trade memory and build time for "
     "speed; the other\n"
-    "options below are for experiments, or where a scene does not fit into memory.";
+    "options below are for experiments, or where a scene does not fit into memory.\n"
+    "Other commands: rt-grid verify --help (proves an atlas), rt-grid inspect --help (shows what is in one).";
 
 void declareDensity(CLI::App& app, RawOptions& raw) {
     auto* resolution =
@@ -125,11 +125,7 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv) {
     RawOptions raw;
     CLI::App app(kDescription, "rt-grid");
     declare(app, options, raw);
-    addCommonOptions(app, options.common,
-                     fmt::format("OpenVDB {}\noneTBB {}.{}\nGLM {}.{}.{}.{}",
-                                 openvdb::getLibraryVersionString(), TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
-                                 GLM_VERSION_MAJOR, GLM_VERSION_MINOR, GLM_VERSION_PATCH,
-                                 GLM_VERSION_REVISION));
+    addCommonOptions(app, options.common, gridLibraries());
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
     readRaw(raw, options);
     requireDistinctPaths({options.meshPath}, outputsOf(options));
