@@ -36,6 +36,19 @@ CellBox partOf(const CellBlock& block, const CellBox& box) {
     return part;
 }
 
+CellBox leapBoxOf(std::uint32_t structure, std::uint32_t word, const CellPlace& place) {
+    if (hasBoxes(structure)) return freeBoxOf(word, place);
+    const int radius = structure == kStructureCloud ? static_cast<int>(word) - 1 : 0;
+    return {place.at - radius, place.at + radius, place.level};
+}
+
+int leapDistance(std::uint32_t structure, std::uint32_t word) {
+    if (structure == kStructureUniform) return 1;
+    if (structure == kStructureCloud) return static_cast<int>(word);
+    const glm::ivec3 least = glm::min(freeBelow(word), freeAbove(word));
+    return 1 + std::min({least.x, least.y, least.z});
+}
+
 std::string nameOf(const CellPlace& place) {
     return fmt::format("voxel ({}, {}, {}) of level {}", place.at.x, place.at.y, place.at.z, place.level);
 }

@@ -57,6 +57,13 @@ inline CellBox freeBoxOf(std::uint32_t word, const CellPlace& place) {
     return {place.at - freeBelow(word), place.at + freeAbove(word), place.level};
 }
 
+/// What an empty voxel's word, or a leaf's exit box where there are such, lets rays leap over in a structure.
+CellBox leapBoxOf(std::uint32_t structure, std::uint32_t word, const CellPlace& place);
+
+/// How many voxels rays of any direction may leap at least from an empty voxel, itself included: the
+/// chessboard distance to the nearest side of what they may leap over.
+int leapDistance(std::uint32_t structure, std::uint32_t word);
+
 /// "voxel (3, 4, 5) of level 2".
 std::string nameOf(const CellPlace& place);
 

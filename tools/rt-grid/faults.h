@@ -1,4 +1,6 @@
 #pragma once
+#include "common/stage_timer.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -24,7 +26,8 @@ struct Faults {
 
 /// Calls check(begin, end, faults), from several threads, for blocks of up to `blockSize` of the indices
 /// below `count`. Returns the faults in the order of the indices, whatever the number of threads.
-Faults findFaults(std::size_t count, std::size_t blockSize,
+/// `meter` counts the blocks.
+Faults findFaults(std::size_t count, std::size_t blockSize, WorkMeter& meter,
                   const std::function<void(std::size_t begin, std::size_t end, Faults& faults)>& check);
 
 } // namespace rt

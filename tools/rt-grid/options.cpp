@@ -70,9 +70,13 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
     app.add_option("mesh", options.meshPath, "Input; - for standard input")
         ->required()
         ->type_name("scene.rtmesh");
-    app.add_option("-o,--output", options.atlasPath, "Output; - for standard output")
-        ->required()
+    app.add_option("-o,--output", options.atlasPath,
+                   "Output; - for standard output; not needed with --dry-run")
         ->type_name("scene.rtatlas");
+    app.add_flag(
+        "--dry-run", options.dryRun,
+        "Build and write nothing: say how many voxels, bytes and what memory it would take, and how that "
+        "fits GPUs");
     app.add_option("--structure", raw.structure,
                    "auto (default): nested or octant, whichever should cost a ray less; nested: crowded "
                    "voxels hold finer ones; octant: empty voxels know how far rays may leap to each side; "
@@ -116,6 +120,8 @@ void readRaw(const RawOptions& raw, GridOptions& options) {
     if (!raw.resolution.empty()) parseResolution(raw.resolution, build.resolution);
     if (!raw.maxMemory.empty()) build.memory = {parseByteSize(raw.maxMemory, "--max-memory"), "--max-memory"};
     build.vdb = !options.vdbPath.empty();
+    if (options.atlasPath.empty() && !options.dryRun)
+        throw Error(ErrorKind::Usage, "--output is required; see rt-grid --help");
 }
 
 } // namespace
@@ -133,9 +139,10 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv) {
 }
 
 std::vector<std::string> outputsOf(const GridOptions& options) {
-    std::vector<std::string> paths{options.atlasPath};
-    for (const std::string& path : {options.vdbPath, options.common.jsonPath})
-        if (!path.empty()) paths.push_back(path);
+    std::vector<std::string> paths;
+    if (!options.dryRun) paths = {options.atlasPath, options.vdbPath};
+    paths.push_back(options.common.jsonPath);
+    std::erase(paths, "");
     return paths;
 }
 

@@ -18,8 +18,8 @@ Proof proveCounts(const Atlas& atlas) {
             std::move(faults)};
 }
 
-Proof proveLists(const Atlas& atlas) {
-    ListProof proof = verifyLists(atlas);
+Proof proveLists(const Atlas& atlas, WorkMeter& meter) {
+    ListProof proof = verifyLists(atlas, meter);
     const std::uint64_t found = proof.needed - proof.faults.count;
     return {"lists",
             fmt::format("{} triangles need {} references; {} more are held", atlas.triangles.size(),
@@ -27,13 +27,13 @@ Proof proveLists(const Atlas& atlas) {
             std::move(proof.faults)};
 }
 
-Proof proveLeaps(const Atlas& atlas) {
+Proof proveLeaps(const Atlas& atlas, WorkMeter& meter) {
     if (hasBoxes(atlas.grid.dims.w)) {
-        LeapProof proof = verifyBoxes(atlas);
+        LeapProof proof = verifyBoxes(atlas, meter);
         return {"boxes", fmt::format("{} boxes of empty voxels and leaves", proof.leaps),
                 std::move(proof.faults)};
     }
-    LeapProof proof = verifyDistances(atlas);
+    LeapProof proof = verifyDistances(atlas, meter);
     return {"distances", fmt::format("{} voxels", proof.leaps), std::move(proof.faults)};
 }
 
@@ -47,12 +47,12 @@ std::vector<Proof> verifyAtlas(const Atlas& atlas, const MeshFile* source, Stage
         timer.end();
     };
     prove("counts", [&] { return proveCounts(atlas); });
-    prove("lists", [&] { return proveLists(atlas); });
-    prove("leaps", [&] { return proveLeaps(atlas); });
+    prove("lists", [&] { return proveLists(atlas, timer.meter()); });
+    prove("leaps", [&] { return proveLeaps(atlas, timer.meter()); });
     if (source)
         prove("source", [&] {
             return Proof{"source", fmt::format("mesh {:016x}", source->contentHash),
-                         verifySource(atlas, *source)};
+                         verifySource(atlas, *source, timer.meter())};
         });
     return proofs;
 }

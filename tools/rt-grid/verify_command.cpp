@@ -4,7 +4,7 @@
 #include "common/command_line.h"
 #include "common/error.h"
 #include "common/json_file.h"
-#include "common/log.h"
+#include "common/progress.h"
 #include "formats/atlas_file.h"
 #include "tools/rt-grid/libraries.h"
 #include "tools/rt-grid/verify_atlas.h"
@@ -110,6 +110,7 @@ int verifyCommand(int argc, const char* const* argv) {
     const std::string& jsonPath = options->common.jsonPath;
     if (!jsonPath.empty()) requireWritable(jsonPath);
     StageTimer timer;
+    std::optional<StageProgress> progress(timer);
     timer.begin("bytes");
     const AtlasFile file = readAtlas(options->atlasPath);
     std::optional<MeshFile> source;
@@ -117,6 +118,7 @@ int verifyCommand(int argc, const char* const* argv) {
     std::vector<Proof> proofs{{"bytes", fmt::format("{} bytes, hashes and indices", file.fileBytes), {}}};
     for (Proof& proof : verifyAtlas(file.atlas, source ? &*source : nullptr, timer))
         proofs.push_back(std::move(proof));
+    progress.reset();
     if (!options->common.quiet && jsonPath != "-") std::fputs(textOf(proofs).c_str(), stdout);
     if (!jsonPath.empty()) writeJson(jsonPath, jsonOf(*options, file, proofs, timer));
     logStages(timer);

@@ -135,13 +135,13 @@ CellBox reachOf(const Atlas& atlas, const CellBlock& brick) {
     return reach;
 }
 
-LeapProof verifyGridBoxes(const Atlas& atlas) {
+LeapProof verifyGridBoxes(const Atlas& atlas, WorkMeter& meter) {
     const CellBlock grid = gridBlock(atlas);
     OccupancySums sums;
     sums.count(atlas, {glm::ivec3(0), grid.dims - 1, 0});
     std::atomic<std::uint64_t> boxes{0};
     LeapProof proof;
-    proof.faults = findFaults(grid.words.size(), kVoxelsPerBlock,
+    proof.faults = findFaults(grid.words.size(), kVoxelsPerBlock, meter,
                               [&](std::size_t begin, std::size_t end, Faults& faults) {
                                   boxes += BoxProof(atlas, grid, sums, faults).check(begin, end);
                               });
@@ -151,7 +151,7 @@ LeapProof verifyGridBoxes(const Atlas& atlas) {
 
 } // namespace
 
-LeapProof verifyDistances(const Atlas& atlas) {
+LeapProof verifyDistances(const Atlas& atlas, WorkMeter& meter) {
     const bool hasDistances = atlas.grid.dims.w == kStructureCloud;
     std::optional<DistanceProof> distances;
     if (hasDistances) distances.emplace(atlas);
@@ -159,7 +159,7 @@ LeapProof verifyDistances(const Atlas& atlas) {
     std::atomic<std::uint32_t> largest{0};
     LeapProof proof;
     proof.faults = findFaults(
-        grid.words.size(), kVoxelsPerBlock, [&](std::size_t begin, std::size_t end, Faults& faults) {
+        grid.words.size(), kVoxelsPerBlock, meter, [&](std::size_t begin, std::size_t end, Faults& faults) {
             std::uint32_t largestHere = 0;
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t word = grid.words[i];
@@ -184,13 +184,13 @@ LeapProof verifyDistances(const Atlas& atlas) {
     return proof;
 }
 
-LeapProof verifyBoxes(const Atlas& atlas) {
-    LeapProof proof = verifyGridBoxes(atlas);
+LeapProof verifyBoxes(const Atlas& atlas, WorkMeter& meter) {
+    LeapProof proof = verifyGridBoxes(atlas, meter);
     const std::vector<BrickPlace> bricks = bricksOf(atlas, "atlas");
     tbb::enumerable_thread_specific<OccupancySums> sumsOfThreads;
     std::atomic<std::uint64_t> boxes{0};
     proof.faults.append(
-        findFaults(bricks.size(), 16, [&](std::size_t begin, std::size_t end, Faults& faults) {
+        findFaults(bricks.size(), 16, meter, [&](std::size_t begin, std::size_t end, Faults& faults) {
             OccupancySums& sums = sumsOfThreads.local();
             for (std::size_t i = begin; i < end; ++i) {
                 const CellBlock brick = brickBlock(atlas, bricks[i]);

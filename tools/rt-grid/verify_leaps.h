@@ -13,10 +13,10 @@ struct LeapProof {
 
 /// uniform and cloud: whether each distance is exactly the chessboard distance to the nearest occupied voxel,
 /// INFO holds the largest, and no leaf has an exit box. The atlas must have passed validate().
-LeapProof verifyDistances(const Atlas& atlas);
+LeapProof verifyDistances(const Atlas& atlas, WorkMeter& meter);
 
 /// octant and nested: whether no leaf lies in an empty voxel's box, whole or in part, and those in a leaf's
 /// exit box list only triangles that it lists too. The atlas must have passed validate().
-LeapProof verifyBoxes(const Atlas& atlas);
+LeapProof verifyBoxes(const Atlas& atlas, WorkMeter& meter);
 
 } // namespace rt

@@ -156,12 +156,12 @@ double promisedPad(const Atlas& atlas, int level) {
     return std::max(0x1p-8, 0x1p-20 * longest);
 }
 
-ListProof verifyLists(const Atlas& atlas) {
+ListProof verifyLists(const Atlas& atlas, WorkMeter& meter) {
     const ListIndex lists(atlas.references);
     std::atomic<std::uint64_t> needed{0};
     ListProof proof;
-    proof.faults =
-        findFaults(atlas.triangles.size(), 256, [&](std::size_t begin, std::size_t end, Faults& faults) {
+    proof.faults = findFaults(
+        atlas.triangles.size(), 256, meter, [&](std::size_t begin, std::size_t end, Faults& faults) {
             std::uint64_t sum = 0;
             for (std::size_t i = begin; i < end; ++i)
                 sum += TriangleProof(atlas, lists, static_cast<std::uint32_t>(i), faults).run();

@@ -18,7 +18,7 @@ struct ListProof {
 /// Whether each triangle is in the list of every voxel, of whatever level, that its surface comes nearer to
 /// than the promised pad. Voxels are found by clipping the triangle to slabs of them, then to columns: what
 /// is left is a point of the triangle in the voxel. The atlas must have passed validate().
-ListProof verifyLists(const Atlas& atlas);
+ListProof verifyLists(const Atlas& atlas, WorkMeter& meter);
 
 /// Whether the lists ascend, each belongs to one leaf, and leaves and references are as many as INFO says.
 Faults verifyCounts(const Atlas& atlas);

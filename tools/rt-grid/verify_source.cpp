@@ -20,18 +20,19 @@ bool sameBytes(const T& a, const T& b) {
 
 // The first place where two arrays differ, or that they are not equally long.
 template <class A, class B, class Same>
-Faults compare(const char* what, const A& inAtlas, const B& inMesh, const Same& same) {
+Faults compare(WorkMeter& meter, const char* what, const A& inAtlas, const B& inMesh, const Same& same) {
     Faults faults;
     if (inAtlas.size() != inMesh.size()) {
         faults.add(
             [&] { return fmt::format("{} {}s, but the mesh has {}", inAtlas.size(), what, inMesh.size()); });
         return faults;
     }
-    return findFaults(inAtlas.size(), kPerBlock, [&](std::size_t begin, std::size_t end, Faults& found) {
-        for (std::size_t i = begin; i < end; ++i)
-            if (!same(inAtlas[i], inMesh[i]))
-                found.add([&] { return fmt::format("{} {} is not the mesh's", what, i); });
-    });
+    return findFaults(inAtlas.size(), kPerBlock, meter,
+                      [&](std::size_t begin, std::size_t end, Faults& found) {
+                          for (std::size_t i = begin; i < end; ++i)
+                              if (!same(inAtlas[i], inMesh[i]))
+                                  found.add([&] { return fmt::format("{} {} is not the mesh's", what, i); });
+                      });
 }
 
 // Numbers that the scale takes below 2^-126 lose digits.
@@ -43,19 +44,20 @@ bool isMoved(const glm::vec4& corner, const glm::vec3& position, const glm::vec4
     return true;
 }
 
-Faults compareCorners(const Atlas& atlas, const Mesh& mesh) {
-    return compare(
-        "triangle", atlas.triangles, mesh.triangles, [&](const TriangleRecord& t, const glm::uvec3& v) {
-            const glm::vec4& offset = atlas.grid.worldOffset;
-            return isMoved(t.v0, mesh.positions[v.x], offset) && isMoved(t.v1, mesh.positions[v.y], offset) &&
-                   isMoved(t.v2, mesh.positions[v.z], offset);
-        });
+Faults compareCorners(const Atlas& atlas, const Mesh& mesh, WorkMeter& meter) {
+    return compare(meter, "triangle", atlas.triangles, mesh.triangles,
+                   [&](const TriangleRecord& t, const glm::uvec3& v) {
+                       const glm::vec4& offset = atlas.grid.worldOffset;
+                       return isMoved(t.v0, mesh.positions[v.x], offset) &&
+                              isMoved(t.v1, mesh.positions[v.y], offset) &&
+                              isMoved(t.v2, mesh.positions[v.z], offset);
+                   });
 }
 
-Faults compareIndices(const Atlas& atlas, const Mesh& mesh) {
+Faults compareIndices(const Atlas& atlas, const Mesh& mesh, WorkMeter& meter) {
     const glm::uvec3* const first = mesh.triangles.data();
-    return compare("triangle's vertices or material, of triangle", atlas.triangleVertices, mesh.triangles,
-                   [&](const glm::uvec4& found, const glm::uvec3& v) {
+    return compare(meter, "triangle's vertices or material, of triangle", atlas.triangleVertices,
+                   mesh.triangles, [&](const glm::uvec4& found, const glm::uvec3& v) {
                        return found ==
                               glm::uvec4(v, mesh.triangleMaterial[static_cast<std::size_t>(&v - first)]);
                    });
@@ -86,7 +88,7 @@ bool hasPixels(const Atlas& atlas, const ImagePlace& place, const Mesh& mesh, co
 
 } // namespace
 
-Faults verifySource(const Atlas& atlas, const MeshFile& meshFile) {
+Faults verifySource(const Atlas& atlas, const MeshFile& meshFile, WorkMeter& meter) {
     const Mesh& mesh = meshFile.mesh;
     Faults faults;
     if (atlas.info.meshHash != meshFile.contentHash)
@@ -94,22 +96,23 @@ Faults verifySource(const Atlas& atlas, const MeshFile& meshFile) {
             return fmt::format("it was made from a mesh with hash {:016x}, not {:016x}", atlas.info.meshHash,
                                meshFile.contentHash);
         });
-    faults.append(compareCorners(atlas, mesh));
-    faults.append(compareIndices(atlas, mesh));
-    faults.append(compare("normal", atlas.normals, mesh.normals,
+    faults.append(compareCorners(atlas, mesh, meter));
+    faults.append(compareIndices(atlas, mesh, meter));
+    faults.append(compare(meter, "normal", atlas.normals, mesh.normals,
                           [](std::uint32_t a, const glm::vec3& b) { return a == octEncode(b); }));
     const bool hasImages = !atlas.texcoords.empty();
     if (hasImages) {
-        faults.append(compare("texture coordinate", atlas.texcoords, mesh.texcoords, sameBytes<glm::vec2>));
         faults.append(
-            compare("image", atlas.images, mesh.images,
+            compare(meter, "texture coordinate", atlas.texcoords, mesh.texcoords, sameBytes<glm::vec2>));
+        faults.append(
+            compare(meter, "image", atlas.images, mesh.images,
                     [&](const ImagePlace& a, const MeshImage& b) { return hasPixels(atlas, a, mesh, b); }));
     }
     faults.append(
-        compare("material", atlas.materials, mesh.materials,
+        compare(meter, "material", atlas.materials, mesh.materials,
                 [&](const Material& a, const Material& b) { return isSameMaterial(a, b, hasImages); }));
-    faults.append(compare("light", atlas.lights, mesh.lights, sameBytes<Light>));
-    faults.append(compare("camera", atlas.cameras, mesh.cameras, sameBytes<NamedCamera>));
+    faults.append(compare(meter, "light", atlas.lights, mesh.lights, sameBytes<Light>));
+    faults.append(compare(meter, "camera", atlas.cameras, mesh.cameras, sameBytes<NamedCamera>));
     return faults;
 }
 

@@ -8,7 +8,7 @@ namespace rt {
 /// Whether the atlas holds the mesh's scene: the same triangles, moved and scaled without rounding, the same
 /// vertices' normals and texture coordinates, materials, lights, cameras and images, and the mesh's hash.
 /// Both must have passed validate().
-Faults verifySource(const Atlas& atlas, const MeshFile& mesh);
+Faults verifySource(const Atlas& atlas, const MeshFile& mesh, WorkMeter& meter);
 
 /// Whether INFO's bounds are those of the triangles.
 Faults verifyBounds(const Atlas& atlas);
