@@ -55,24 +55,24 @@ DeviceLimits limitsOfCurrentContext() {
     return limits;
 }
 
-// A context without a window, as long as it lives.
+// A context without a window, as long as it lives. Displays stay open until the program ends: a driver that
+// is unloaded leaves memory behind.
 class Context {
 public:
     explicit Context(EGLDisplay display) : display_(display) {
-        if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) return;
-        isInitialized_ = true;
         static constexpr EGLint kAttributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
                                                  EGL_NONE};
+        if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) return;
         if (!eglBindAPI(EGL_OPENGL_API)) return;
         context_ = eglCreateContext(display, nullptr, EGL_NO_CONTEXT, kAttributes);
         isCurrent_ =
             context_ != EGL_NO_CONTEXT && eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
     }
     ~Context() {
-        if (!isInitialized_) return;
+        if (context_ == EGL_NO_CONTEXT) return;
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-        if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-        eglTerminate(display_);
+        eglDestroyContext(display_, context_);
+        eglReleaseThread();
     }
     Context(const Context&) = delete;
     Context& operator=(const Context&) = delete;
@@ -81,7 +81,6 @@ public:
 private:
     EGLDisplay display_;
     EGLContext context_ = EGL_NO_CONTEXT;
-    bool isInitialized_ = false;
     bool isCurrent_ = false;
 };
 

@@ -67,7 +67,7 @@ void LegendCanvas::drawBar(int x, const LegendScale& scale) {
     for (const double tick : scale.ticks()) {
         const int y = top_ + static_cast<int>(std::lround((1.0 - scale.part(tick)) * (kBarHeight - 1)));
         fill(x + kBarWidth, y, 6, 1, kBlack);
-        write(x + kBarWidth + 10, y - kLineHeight / 2 + kTextScale, fmt::format("{:.4g}", tick));
+        write(x + kBarWidth + 14, y - kLineHeight / 2 + kTextScale, fmt::format("{:.4g}", tick));
     }
 }
 

@@ -17,7 +17,7 @@ namespace {
 constexpr int kLongestSide = 960; // pixels, of a picture without its legend
 constexpr int kShortestSide = 48;
 constexpr double kNothing = -1.0;  // no value here
-constexpr int kPlacesPerPixel = 3; // along each side
+constexpr int kPlacesPerPixel = 3; // along each side, where voxels may be smaller than pixels
 
 enum class Quantity { Occupancy, Distance, References };
 
@@ -57,7 +57,7 @@ struct Cut {
 
 class Cutter {
 public:
-    Cutter(const Atlas& atlas, int axis, double at)
+    Cutter(const Atlas& atlas, int finestLevel, int axis, double at)
         : atlas_(atlas), axis_(axis), u_((axis + 1) % 3), v_((axis + 2) % 3), dims_(atlas.grid.dims) {
         if (axis_ == 1) std::swap(u_, v_); // x to the right in two of three pictures
         depth_ = std::clamp(at, 0.0, 1.0) * dims_[axis_];
@@ -65,6 +65,9 @@ public:
         const double pixel = std::max(extent[u_], extent[v_]) / kLongestSide;
         width_ = std::clamp(static_cast<int>(std::lround(extent[u_] / pixel)), kShortestSide, kLongestSide);
         height_ = std::clamp(static_cast<int>(std::lround(extent[v_] / pixel)), kShortestSide, kLongestSide);
+        const double finest =
+            std::ldexp(std::min(atlas.grid.cellSize[u_], atlas.grid.cellSize[v_]), -finestLevel);
+        if (finest < pixel) places_ = kPlacesPerPixel;
     }
     Cut cut(Quantity quantity) const {
         Cut cut{width_, height_,
@@ -94,12 +97,12 @@ public:
 private:
     double pixelAt(Quantity quantity, int x, int y) const {
         double value = kNothing;
-        for (int j = 0; j < kPlacesPerPixel; ++j)
-            for (int i = 0; i < kPlacesPerPixel; ++i) {
+        for (int j = 0; j < places_; ++j)
+            for (int i = 0; i < places_; ++i) {
                 glm::dvec3 point;
                 point[axis_] = depth_;
-                point[u_] = dims_[u_] * (x + (i + 0.5) / kPlacesPerPixel) / width_;
-                point[v_] = dims_[v_] * (1.0 - (y + (j + 0.5) / kPlacesPerPixel) / height_);
+                point[u_] = dims_[u_] * (x + (i + 0.5) / places_) / width_;
+                point[v_] = dims_[v_] * (1.0 - (y + (j + 0.5) / places_) / height_);
                 const double here = valueAt(atlas_, quantity, point);
                 if (here == kNothing) continue;
                 value = value == kNothing                ? here
@@ -114,6 +117,7 @@ private:
     glm::dvec3 dims_;
     double depth_; // in voxels of the grid
     int width_, height_;
+    int places_ = 1; // of a pixel, along each side
 };
 
 SlicePicture pictureOf(const Cutter& cutter, Quantity quantity) {
@@ -136,8 +140,10 @@ SlicePicture pictureOf(const Cutter& cutter, Quantity quantity) {
 
 std::vector<SlicePicture> slicesOf(const Atlas& atlas, const glm::dvec3& at) {
     std::vector<SlicePicture> pictures;
+    int finestLevel = 0;
+    for (const BrickPlace& brick : bricksOf(atlas, "atlas")) finestLevel = std::max(finestLevel, brick.level);
     for (int axis = 0; axis < 3; ++axis) {
-        const Cutter cutter(atlas, axis, at[axis]);
+        const Cutter cutter(atlas, finestLevel, axis, at[axis]);
         for (const Quantity quantity : {Quantity::Occupancy, Quantity::Distance, Quantity::References})
             if (quantity != Quantity::Distance || atlas.grid.dims.w != kStructureUniform)
                 pictures.push_back(pictureOf(cutter, quantity));
