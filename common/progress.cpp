@@ -1,12 +1,16 @@
 #include "common/progress.h"
 
 #include "common/log.h"
+#include "common/stage_timer.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <cstdlib>
+#include <mutex>
+#include <thread>
 #include <unistd.h>
 
 namespace rt {
@@ -70,5 +74,38 @@ void Progress::clear() {
     if (drawn_) std::fputs("\r\033[K", stderr);
     drawn_ = false;
 }
+
+class StageProgress::Thread {
+public:
+    explicit Thread(const StageTimer& timer) : timer_(timer), thread_([this] { run(); }) {}
+    ~Thread() {
+        {
+            const std::scoped_lock lock(mutex_);
+            isOver_ = true;
+        }
+        wake_.notify_one();
+        thread_.join();
+    }
+
+private:
+    void run() {
+        std::unique_lock lock(mutex_);
+        for (auto interval = std::chrono::milliseconds(kQuietStart);
+             !wake_.wait_for(lock, interval, [this] { return isOver_; }); interval = kInterval)
+            std::fprintf(stderr, "\r\033[K%s", timer_.runningText().c_str());
+        std::fputs("\r\033[K", stderr);
+    }
+
+    const StageTimer& timer_;
+    std::mutex mutex_; // of isOver_
+    std::condition_variable wake_;
+    bool isOver_ = false;
+    std::thread thread_; // last: it uses the others
+};
+
+StageProgress::StageProgress(const StageTimer& timer)
+    : thread_(onTerminal() ? std::make_unique<Thread>(timer) : nullptr) {}
+
+StageProgress::~StageProgress() = default;
 
 } // namespace rt

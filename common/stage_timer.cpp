@@ -1,10 +1,12 @@
 #include "common/stage_timer.h"
 
 #include "common/log.h"
+#include "common/progress.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sys/resource.h>
 
 namespace rt {
@@ -14,16 +16,34 @@ const auto programStart = std::chrono::steady_clock::now();
 
 } // namespace
 
+std::optional<double> WorkMeter::part() const {
+    const auto total = static_cast<double>(total_);
+    if (total == 0.0) return std::nullopt;
+    return std::min(1.0, static_cast<double>(done_) / total);
+}
+
 void StageTimer::begin(std::string_view stage) {
     end();
-    running_ = stage;
-    start_ = Clock::now();
+    running_->meter.begin(0);
+    const std::scoped_lock lock(running_->mutex);
+    running_->name = stage;
+    running_->start = Clock::now();
 }
 
 void StageTimer::end() {
-    if (running_.empty()) return;
-    add(running_, std::chrono::duration<double, std::milli>(Clock::now() - start_).count());
-    running_.clear();
+    if (running_->name.empty()) return;
+    add(running_->name, std::chrono::duration<double, std::milli>(Clock::now() - running_->start).count());
+    const std::scoped_lock lock(running_->mutex);
+    running_->name.clear();
+}
+
+std::string StageTimer::runningText() const {
+    const std::scoped_lock lock(running_->mutex);
+    if (running_->name.empty()) return "";
+    const double seconds = std::chrono::duration<double>(Clock::now() - running_->start).count();
+    const std::optional<double> part = running_->meter.part();
+    return running_->name + (part ? fmt::format(" {:.0f} %", std::floor(100.0 * *part)) : "") + ", " +
+           durationText(seconds);
 }
 
 void StageTimer::add(std::string_view stage, double ms) {

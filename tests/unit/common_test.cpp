@@ -251,5 +251,22 @@ TEST(Stages, ThatRunAgainAddUpWhereTheyFirstRan) {
     EXPECT_GT(stages.totalMs(), 1001.0);
 }
 
+TEST(StageTimer, saysWhichStageRunsAndHowFarItIs) {
+    StageTimer timer;
+    EXPECT_EQ(timer.runningText(), "");
+    timer.begin("bin");
+    EXPECT_EQ(timer.runningText().rfind("bin, ", 0), 0u) << timer.runningText();
+    timer.meter().begin(8);
+    timer.meter().add(3);
+    EXPECT_EQ(timer.runningText().rfind("bin 37 %, ", 0), 0u) << timer.runningText();
+    timer.meter().add(9);
+    EXPECT_EQ(timer.runningText().rfind("bin 100 %, ", 0), 0u) << timer.runningText();
+    timer.begin("boxes");
+    EXPECT_EQ(timer.runningText().rfind("boxes, ", 0), 0u) << timer.runningText();
+    timer.end();
+    EXPECT_EQ(timer.runningText(), "");
+    EXPECT_EQ(timer.stagesMs().size(), 2u);
+}
+
 } // namespace
 } // namespace rt

@@ -158,7 +158,8 @@ TEST(GridLimits, memoryIsForecastBeforeItIsTaken) {
 TEST(GridLimits, oneGiantTriangleStopsBeforeItFillsTheMemory) {
     const std::vector<TriangleRecord> triangles{{.v0 = {0, 0, 0, 0}, .v1 = {1, 0, 0, 0}, .v2 = {0, 1, 0, 0}}};
     const GridLayout layout = placeGrid(gridBounds(triangles), glm::uvec3(16384, 16384, 1));
-    EXPECT_THROW(binTriangles(triangles, layout, {1000, "too many"}), Error); // of 2^27
+    WorkMeter meter;
+    EXPECT_THROW(binTriangles(triangles, layout, {1000, "too many"}, meter), Error); // of 2^27
     EXPECT_TRUE(!kCountsMemory || peakMemoryBytes() < (300u << 20));
 }
 

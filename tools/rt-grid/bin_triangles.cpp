@@ -59,13 +59,15 @@ RT_WIDE_LANES ChunkVoxels voxelizeChunk(std::span<const TriangleRecord> triangle
 }
 
 std::vector<ChunkVoxels> voxelizeAll(std::span<const TriangleRecord> triangles, const GridLayout& layout,
-                                     const ReferenceLimit& limit) {
+                                     const ReferenceLimit& limit, WorkMeter& meter) {
     std::vector<ChunkVoxels> chunks(chunkCount(triangles.size(), kTrianglesPerChunk));
+    meter.begin(2 * chunks.size()); // and again when they go into the lists
     std::atomic<std::uint64_t> total{0};
     tbb::parallel_for(std::size_t(0), chunks.size(), [&](std::size_t i) {
         const std::size_t first = i * kTrianglesPerChunk;
         const std::size_t count = std::min(kTrianglesPerChunk, triangles.size() - first);
         chunks[i] = voxelizeChunk(triangles.subspan(first, count), layout, total, limit);
+        meter.add();
     });
     return chunks;
 }
@@ -137,9 +139,10 @@ void fillFromChunk(const ChunkVoxels& chunk, std::uint32_t triangle, CellRefs& r
     }
 }
 
-void fillLists(const std::vector<ChunkVoxels>& chunks, CellRefs& refs) {
+void fillLists(const std::vector<ChunkVoxels>& chunks, CellRefs& refs, WorkMeter& meter) {
     tbb::parallel_for(std::size_t(0), chunks.size(), [&](std::size_t i) {
         fillFromChunk(chunks[i], static_cast<std::uint32_t>(i * kTrianglesPerChunk), refs);
+        meter.add();
     });
     forEachBlock(refs.voxels.size(), [&](std::size_t, std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
@@ -155,13 +158,13 @@ void fillLists(const std::vector<ChunkVoxels>& chunks, CellRefs& refs) {
 } // namespace
 
 CellRefs binTriangles(std::span<const TriangleRecord> triangles, const GridLayout& layout,
-                      const ReferenceLimit& limit) {
-    const std::vector<ChunkVoxels> chunks = voxelizeAll(triangles, layout, limit);
+                      const ReferenceLimit& limit, WorkMeter& meter) {
+    const std::vector<ChunkVoxels> chunks = voxelizeAll(triangles, layout, limit, meter);
     CellRefs refs;
     refs.voxels.resize(std::size_t(layout.dims.x) * layout.dims.y * layout.dims.z);
     countReferences(chunks, refs.voxels);
     placeLists(refs);
-    fillLists(chunks, refs);
+    fillLists(chunks, refs, meter);
     return refs;
 }
 

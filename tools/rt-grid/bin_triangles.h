@@ -1,4 +1,5 @@
 #pragma once
+#include "common/stage_timer.h"
 #include "tools/rt-grid/limits.h"
 #include "tools/rt-grid/place_grid.h"
 #include "tools/rt-grid/voxelize_triangle.h"
@@ -38,8 +39,9 @@ private:
 
 /// Lists every triangle in each voxel whose cube, grown by layout.padCells on every side, it meets; see
 /// forEachVoxelOf(). The result does not depend on the number of threads. Memory: see limits.h.
-/// Throws Error{LimitExceeded} with limit.message when there are more references than limit.references.
+/// `meter` counts the work. Throws Error{LimitExceeded} with limit.message when there are more references
+/// than limit.references.
 CellRefs binTriangles(std::span<const TriangleRecord> triangles, const GridLayout& layout,
-                      const ReferenceLimit& limit);
+                      const ReferenceLimit& limit, WorkMeter& meter);
 
 } // namespace rt

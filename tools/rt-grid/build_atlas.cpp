@@ -3,63 +3,10 @@
 #include "tools/rt-grid/grow_boxes.h"
 #include "tools/rt-grid/grow_proximity.h"
 #include "tools/rt-grid/pack_atlas.h"
+#include "tools/rt-grid/plan_grid.h"
 
 namespace rt {
 namespace {
-
-BuildSize sizeOf(const Mesh& mesh, const glm::uvec3& dims, std::uint32_t structure, const GridStages& stages,
-                 const BuildOptions& options) {
-    BuildSize size;
-    size.dims = dims;
-    size.triangles = mesh.triangles.size();
-    size.vertices = mesh.positions.size();
-    size.texels = stages.pages.texelCount();
-    size.vdb = options.vdb;
-    size.boxes = hasBoxes(structure);
-    return size;
-}
-
-// Lays out the grid with which `structure` begins, and lists its voxels' triangles.
-class Binning {
-public:
-    Binning(const Mesh& mesh, const std::string& name, const BuildOptions& options,
-            const QualityPreset& preset, GridStages& stages)
-        : mesh_(mesh), name_(name), options_(options), preset_(preset), stages_(stages),
-          bounds_(gridBounds(stages.triangles)) {}
-
-    CellRefs run(std::uint32_t structure) {
-        stages_.layout = placeGrid(bounds_, dimsOf(structure), options_.padScale);
-        limit_ = checkLimits(name_, sizeOf(mesh_, stages_.layout.dims, structure, stages_, options_),
-                             options_.memory);
-        return binTriangles(stages_.triangles, stages_.layout, limit_);
-    }
-    const ReferenceLimit& limit() const { return limit_; }
-    bool fits(std::uint32_t structure) const {
-        const BuildSize size = sizeOf(mesh_, dimsOf(structure), structure, stages_, options_);
-        return voxelsOf(structure) <= double(kMaxVoxels) && forecastBytes(size) <= options_.memory.bytes;
-    }
-    // Voxels of the grid.
-    double voxelsOf(std::uint32_t structure) const {
-        const glm::dvec3 dims(dimsOf(structure));
-        return dims.x * dims.y * dims.z;
-    }
-
-private:
-    glm::uvec3 dimsOf(std::uint32_t structure) const {
-        ResolutionRequest request = options_.resolution;
-        if (request.voxelsPerTriangle == 0.0)
-            request.voxelsPerTriangle = preset_.voxelsPerTriangle(structure);
-        return chooseResolution(bounds_.extent(), mesh_.triangles.size(), request);
-    }
-
-    const Mesh& mesh_;
-    const std::string& name_;
-    const BuildOptions& options_;
-    const QualityPreset& preset_;
-    GridStages& stages_;
-    BoundsD bounds_;
-    ReferenceLimit limit_;
-};
 
 VoxelWords flatVoxels(CellRefs refs, std::uint32_t structure, const glm::uvec3& dims, StageTimer& timer) {
     if (structure == kStructureCloud) {
@@ -74,9 +21,10 @@ VoxelWords boxedVoxels(CellRefs refs, std::uint32_t structure, const GridStages&
                        const ReferenceLimit& limit, StageTimer& timer) {
     if (structure == kStructureOctant) nest.maxDepth = 0;
     timer.begin("nest");
-    NestedVoxels nested = nestBricks(std::move(refs), stages.triangles, stages.layout, nest, limit);
+    NestedVoxels nested =
+        nestBricks(std::move(refs), stages.triangles, stages.layout, nest, limit, timer.meter());
     timer.begin("boxes");
-    growBoxes(nested, stages.layout.dims, nest.exitReach);
+    growBoxes(nested, stages.layout.dims, nest.exitReach, timer.meter());
     return {std::move(nested.voxels), nested.bricks.share(), nested.references.share(), nested.occupiedVoxels,
             nested.referenceCount};
 }
@@ -85,30 +33,24 @@ VoxelWords boxedVoxels(CellRefs refs, std::uint32_t structure, const GridStages&
 
 BuiltAtlas buildAtlas(const MeshFile& meshFile, const std::string& name, const BuildOptions& options,
                       StageTimer& timer) {
-    const Mesh& mesh = meshFile.mesh;
-    QualityPreset preset = presetOf(options.quality);
-    if (options.nest) preset.nest = *options.nest;
-    GridStages stages;
     timer.begin("rebase");
-    stages.worldBounds = sceneBounds(mesh);
-    stages.rebase = chooseRebase(stages.worldBounds);
-    stages.triangles = rebaseTriangles(mesh, stages.rebase);
-    if (showsImages(mesh)) stages.pages = placeImages(mesh.images, name);
+    GridPlan plan(meshFile.mesh, name, options);
+    GridStages& stages = plan.stages;
     timer.begin("bin");
-    Binning binning(mesh, name, options, preset, stages);
     std::uint32_t structure = options.structure.value_or(kStructureNested);
-    CellRefs refs = binning.run(structure);
+    ReferenceLimit limit = plan.layOut(structure);
+    CellRefs refs = binTriangles(stages.triangles, stages.layout, limit, timer.meter());
     std::optional<StructureChoice> choice;
     if (!options.structure) {
-        choice = chooseStructure(refs, stages.triangles, stages.layout, preset.nest,
-                                 binning.voxelsOf(kStructureOctant) / binning.voxelsOf(structure));
-        if (choice->structure != structure && binning.fits(choice->structure)) {
+        choice = plan.choose(refs);
+        if (choice->structure != structure && plan.fits(choice->structure)) {
             refs = CellRefs(); // its memory is counted once
-            refs = binning.run(structure = choice->structure);
+            limit = plan.layOut(structure = choice->structure);
+            refs = binTriangles(stages.triangles, stages.layout, limit, timer.meter());
         }
     }
     stages.words = hasBoxes(structure)
-                       ? boxedVoxels(std::move(refs), structure, stages, preset.nest, binning.limit(), timer)
+                       ? boxedVoxels(std::move(refs), structure, stages, plan.preset.nest, limit, timer)
                        : flatVoxels(std::move(refs), structure, stages.layout.dims, timer);
     timer.begin("pack");
     Atlas atlas = packAtlas(meshFile, structure, std::move(stages));

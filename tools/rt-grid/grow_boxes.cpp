@@ -267,7 +267,7 @@ void growBrick(const Growth& growth, const BrickPlace& place, Workspace& workspa
 
 } // namespace
 
-void growBoxes(NestedVoxels& nested, const glm::uvec3& dims, int exitReach) {
+void growBoxes(NestedVoxels& nested, const glm::uvec3& dims, int exitReach, WorkMeter& meter) {
     const std::span<const std::uint32_t> bricks = nested.bricks;
     const Growth growth{
         nested,
@@ -275,12 +275,17 @@ void growBoxes(NestedVoxels& nested, const glm::uvec3& dims, int exitReach) {
         exitReach};
     tbb::enumerable_thread_specific<Workspace> workspaces;
     const glm::ivec3 tiles = (glm::ivec3(dims) + (kGridTile - 1)) / kGridTile;
-    tbb::parallel_for(0, tiles.x * tiles.y * tiles.z, [&](int tile) {
+    const int tileCount = tiles.x * tiles.y * tiles.z;
+    meter.begin(static_cast<std::uint64_t>(tileCount) + nested.places.size());
+    tbb::parallel_for(0, tileCount, [&](int tile) {
         const glm::ivec3 at(tile % tiles.x, tile / tiles.x % tiles.y, tile / tiles.x / tiles.y);
         growGridTile(growth, at * kGridTile, workspaces.local());
+        meter.add();
     });
-    tbb::parallel_for(std::size_t(0), nested.places.size(),
-                      [&](std::size_t i) { growBrick(growth, nested.places[i], workspaces.local()); });
+    tbb::parallel_for(std::size_t(0), nested.places.size(), [&](std::size_t i) {
+        growBrick(growth, nested.places[i], workspaces.local());
+        meter.add();
+    });
 }
 
 } // namespace rt

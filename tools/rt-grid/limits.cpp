@@ -36,17 +36,17 @@ ReferenceLimit checkLimits(const std::string& name, const BuildSize& size, const
         fmt::format("the limit is {} ({}); lower --resolution or --density, or raise --max-memory",
                     inMebibytes(limit.bytes), limit.origin);
     const std::uint64_t fixed = forecastBytes(size);
-    const std::uint64_t least = fixed + size.triangles * kBytesPerReference;
+    const std::uint64_t least = fixed + size.triangles * bytesPerReference(size);
     if (least > limit.bytes)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{} for {} triangles needs at least {}; {}", request, size.triangles,
                                 inMebibytes(least), remedy));
-    const std::uint64_t inMemory = (limit.bytes - fixed) / kBytesPerReference;
+    const std::uint64_t inMemory = (limit.bytes - fixed) / bytesPerReference(size);
     if (inMemory < kMaxReferenceWords / 2)
         return {
             inMemory,
             fmt::format("{} needs {} and more than {} triangle references and brick words of {} bytes; {}",
-                        request, inMebibytes(fixed), inMemory, kBytesPerReference, remedy)};
+                        request, inMebibytes(fixed), inMemory, bytesPerReference(size), remedy)};
     return {kMaxReferenceWords / 2,
             fmt::format(
                 "{} has more than {} triangle references and brick words, the most that offsets can reach; "

@@ -30,6 +30,12 @@ std::uint64_t forecastBytes(const BuildSize& size);
 /// the list (4), and the list's exit box (4) if it is alone in it. A word of a brick costs no more: it is
 /// made in memory that blocks share, kept (4), and then moved to its place (4).
 inline constexpr std::uint64_t kBytesPerReference = 12;
+/// The same where the bricks go into a VDB file, whose blocks of 8^3 voxels they may leave mostly empty.
+inline constexpr std::uint64_t kBytesPerReferenceInVdb = 24;
+
+inline std::uint64_t bytesPerReference(const BuildSize& size) {
+    return size.vdb ? kBytesPerReferenceInVdb : kBytesPerReference;
+}
 
 /// How many references and brick words a build may make, and what to say if it makes more.
 struct ReferenceLimit {

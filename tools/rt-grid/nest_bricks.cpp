@@ -20,6 +20,7 @@ constexpr std::size_t kFewestVoxels = 64; // of a block
 constexpr std::size_t kMostBlocks = 1u << 16;
 constexpr std::size_t kBatch =
     16; // triangles that are asked from memory, and whose boxes are found, together
+constexpr double kSampledVoxels = 4096.0; // by which a forecast is made, about
 constexpr double kLargestSpread =
     2.0; // voxels that a triangle meets on average where a brick parts triangles
 
@@ -86,12 +87,17 @@ public:
         words_ += words;
         if (words_ >= kWordsPerReport) report();
     }
-    void report() { budget_.take(std::exchange(words_, 0)); }
+    void report() {
+        taken_ += words_;
+        budget_.take(std::exchange(words_, 0));
+    }
+    /// All that was reported.
+    std::uint64_t taken() const { return taken_; }
 
 private:
     static constexpr std::uint64_t kWordsPerReport = 4096;
     WordBudget& budget_;
-    std::uint64_t words_ = 0;
+    std::uint64_t words_ = 0, taken_ = 0;
 };
 
 // A triangle in a voxel of a brick.
@@ -149,6 +155,9 @@ public:
         words_.report();
         return {store_.keep(bricks_), store_.keep(references_), places_, leaves_};
     }
+
+    /// Words of all blocks that count against the budget.
+    std::uint64_t wordsTaken() const { return words_.taken(); }
 
 private:
     // Returns the word of a voxel of the grid with the list at offset `list`.
@@ -332,29 +341,102 @@ private:
     std::vector<BlockStart> starts_;
 };
 
+// A voxel of the grid, and how many like it there are.
+struct SampledVoxel {
+    std::size_t index;
+    double weight;
+};
+
+std::size_t listLength(const CellRefs& grid, std::uint32_t word) {
+    const std::uint32_t* entry = &grid.references[leafList(word) + kListHeaderWords];
+    std::size_t length = 1;
+    for (; !(*entry & kLastInList); ++entry) ++length;
+    return length;
+}
+
+std::vector<SampledVoxel> sampleVoxels(const CellRefs& grid) {
+    const double step = std::max(1.0, static_cast<double>(grid.referenceCount) / kSampledVoxels);
+    std::vector<SampledVoxel> sample;
+    double sum = 0.5 * step; // of the lists so far that are shorter than a step
+    for (std::size_t i = 0; i < grid.voxels.size(); ++i) {
+        if (grid.voxels[i] == 0) continue;
+        const auto length = static_cast<double>(listLength(grid, grid.voxels[i]));
+        if (length >= step) {
+            sample.push_back({i, 1.0});
+        } else if ((sum += length) >= step) {
+            sum -= step;
+            sample.push_back({i, step / length});
+        }
+    }
+    return sample;
+}
+
+Nesting nestingOf(std::span<const TriangleRecord> triangles, const GridLayout& layout,
+                  const NestOptions& options, WordBudget& budget) {
+    const glm::uvec3& dims = layout.dims;
+    return {triangles, layout, options,
+            BrickCost(triangles, layout.cellsPerUnit, options.wordCost,
+                      finestLevelOf(std::max({dims.x, dims.y, dims.z}))),
+            budget};
+}
+
+// Adds what one voxel becomes.
+void addSample(const CellRefs& grid, const SampledVoxel& voxel, BlockBuilder& builder, NestedSize& size) {
+    std::uint32_t word = grid.voxels[voxel.index];
+    const std::uint64_t wordsBefore = builder.wordsTaken();
+    const Block block = builder.build(grid, std::span(&word, 1), voxel.index);
+    size.bricks += voxel.weight * static_cast<double>(block.places.size());
+    size.brickWords += voxel.weight * static_cast<double>(block.bricks.size());
+    size.leaves += voxel.weight * static_cast<double>(block.leaves);
+    size.referenceWords += voxel.weight * static_cast<double>(block.references.size());
+    size.budgetWords += voxel.weight * static_cast<double>(builder.wordsTaken() - wordsBefore);
+}
+
 } // namespace
 
 NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
-                        const NestOptions& options, const ReferenceLimit& limit) {
+                        const NestOptions& options, const ReferenceLimit& limit, WorkMeter& meter) {
     NestedVoxels nested;
     nested.voxels = std::move(grid.voxels);
     const std::size_t perBlock = voxelsPerBlock(nested.voxels.size());
     std::vector<Block> blocks((nested.voxels.size() + perBlock - 1) / perBlock);
     WordBudget budget(grid.referenceCount, limit);
-    const glm::uvec3 dims = layout.dims;
-    const Nesting nesting{triangles, layout, options,
-                          BrickCost(triangles, layout.cellsPerUnit, options.wordCost,
-                                    finestLevelOf(std::max({dims.x, dims.y, dims.z}))),
-                          budget};
+    meter.begin(blocks.size());
+    const Nesting nesting = nestingOf(triangles, layout, options, budget);
     tbb::enumerable_thread_specific<BlockBuilder> builders([&] { return BlockBuilder(nesting); });
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) {
         const std::size_t first = i * perBlock;
         const std::span<std::uint32_t> voxels = std::span(nested.voxels).subspan(first);
         blocks[i] = builders.local().build(grid, voxels.first(std::min(voxels.size(), perBlock)), first);
+        meter.add();
     });
     Assembly assembly(blocks, nested);
     tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) { assembly.move(i); });
     return nested;
+}
+
+NestedSize forecastBricks(const CellRefs& grid, std::span<const TriangleRecord> triangles,
+                          const GridLayout& layout, const NestOptions& options) {
+    constexpr std::size_t kPerBlock = 32;
+    const ReferenceLimit noLimit{~std::uint64_t(0), {}};
+    WordBudget budget(0, noLimit);
+    const Nesting nesting = nestingOf(triangles, layout, options, budget);
+    const std::vector<SampledVoxel> sample = sampleVoxels(grid);
+    std::vector<NestedSize> blocks((sample.size() + kPerBlock - 1) / kPerBlock);
+    tbb::parallel_for(std::size_t(0), blocks.size(), [&](std::size_t i) {
+        const std::size_t last = std::min(sample.size(), (i + 1) * kPerBlock);
+        BlockBuilder builder(nesting);
+        for (std::size_t k = i * kPerBlock; k < last; ++k) addSample(grid, sample[k], builder, blocks[i]);
+    });
+    NestedSize size;
+    for (const NestedSize& block : blocks) {
+        size.bricks += block.bricks;
+        size.brickWords += block.brickWords;
+        size.leaves += block.leaves;
+        size.referenceWords += block.referenceWords;
+        size.budgetWords += block.budgetWords;
+    }
+    return size;
 }
 
 } // namespace rt

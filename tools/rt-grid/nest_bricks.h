@@ -32,10 +32,25 @@ struct NestedVoxels {
 /// k = 1 to 5, as BrickCost has it. A voxel stays a leaf in spite of its many triangles where the finer
 /// voxels would cost more than they save, where a brick would not part the triangles (they share a vertex),
 /// or where voxels would become smaller than kMaxFinestSide allows. Triangles are listed in every voxel that
-/// they come within padCellsFor() of. The result does not depend on the number of threads. Throws
-/// Error{LimitExceeded} with limit.message when words of bricks and of lists are more than limit.references,
-/// the grid's references included.
+/// they come within padCellsFor() of. The result does not depend on the number of threads. `meter` counts
+/// the work. Throws Error{LimitExceeded} with limit.message when words of bricks and of lists are more than
+/// limit.references, the grid's references included.
 NestedVoxels nestBricks(CellRefs grid, std::span<const TriangleRecord> triangles, const GridLayout& layout,
-                        const NestOptions& options, const ReferenceLimit& limit);
+                        const NestOptions& options, const ReferenceLimit& limit, WorkMeter& meter);
+
+/// What nestBricks() makes, in numbers.
+struct NestedSize {
+    double bricks = 0.0;
+    double brickWords = 0.0;
+    double leaves = 0.0;
+    double referenceWords = 0.0; ///< exit boxes included
+    double budgetWords = 0.0;    ///< that count against ReferenceLimit::references
+};
+
+/// Forecasts what nestBricks() will make of `grid`, from a few thousand of its voxels: those with long lists,
+/// and of the others every so many references one, which then stands for them (systematic sampling by size:
+/// Madow 1949). Exact for grids with few voxels. The result does not depend on the number of threads.
+NestedSize forecastBricks(const CellRefs& grid, std::span<const TriangleRecord> triangles,
+                          const GridLayout& layout, const NestOptions& options);
 
 } // namespace rt

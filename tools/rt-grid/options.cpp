@@ -1,11 +1,10 @@
 #include "tools/rt-grid/options.h"
 
 #include "common/error.h"
+#include "tools/rt-grid/libraries.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <openvdb/version.h>
-#include <tbb/version.h>
 
 #include <algorithm>
 #include <array>
@@ -34,7 +33,8 @@ const char* const kDescription =
     ".rtatlas.\n"
     "The defaults suit all scenes that were measured. Touch --quality to trade memory and build time for "
     "speed; the other\n"
-    "options below are for experiments, or where a scene does not fit into memory.";
+    "options below are for experiments, or where a scene does not fit into memory.\n"
+    "Other commands: rt-grid verify --help (proves an atlas), rt-grid inspect --help (shows what is in one).";
 
 void declareDensity(CLI::App& app, RawOptions& raw) {
     auto* resolution =
@@ -70,9 +70,13 @@ void declare(CLI::App& app, GridOptions& options, RawOptions& raw) {
     app.add_option("mesh", options.meshPath, "Input; - for standard input")
         ->required()
         ->type_name("scene.rtmesh");
-    app.add_option("-o,--output", options.atlasPath, "Output; - for standard output")
-        ->required()
+    app.add_option("-o,--output", options.atlasPath,
+                   "Output; - for standard output; not needed with --dry-run")
         ->type_name("scene.rtatlas");
+    app.add_flag(
+        "--dry-run", options.dryRun,
+        "Build and write nothing: say how many voxels, bytes and what memory it would take, and how that "
+        "fits GPUs");
     app.add_option("--structure", raw.structure,
                    "auto (default): nested or octant, whichever should cost a ray less; nested: crowded "
                    "voxels hold finer ones; octant: empty voxels know how far rays may leap to each side; "
@@ -116,6 +120,8 @@ void readRaw(const RawOptions& raw, GridOptions& options) {
     if (!raw.resolution.empty()) parseResolution(raw.resolution, build.resolution);
     if (!raw.maxMemory.empty()) build.memory = {parseByteSize(raw.maxMemory, "--max-memory"), "--max-memory"};
     build.vdb = !options.vdbPath.empty();
+    if (options.atlasPath.empty() && !options.dryRun)
+        throw Error(ErrorKind::Usage, "--output is required; see rt-grid --help");
 }
 
 } // namespace
@@ -125,11 +131,7 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv) {
     RawOptions raw;
     CLI::App app(kDescription, "rt-grid");
     declare(app, options, raw);
-    addCommonOptions(app, options.common,
-                     fmt::format("OpenVDB {}\noneTBB {}.{}\nGLM {}.{}.{}.{}",
-                                 openvdb::getLibraryVersionString(), TBB_VERSION_MAJOR, TBB_VERSION_MINOR,
-                                 GLM_VERSION_MAJOR, GLM_VERSION_MINOR, GLM_VERSION_PATCH,
-                                 GLM_VERSION_REVISION));
+    addCommonOptions(app, options.common, gridLibraries());
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
     readRaw(raw, options);
     requireDistinctPaths({options.meshPath}, outputsOf(options));
@@ -137,9 +139,10 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv) {
 }
 
 std::vector<std::string> outputsOf(const GridOptions& options) {
-    std::vector<std::string> paths{options.atlasPath};
-    for (const std::string& path : {options.vdbPath, options.common.jsonPath})
-        if (!path.empty()) paths.push_back(path);
+    std::vector<std::string> paths;
+    if (!options.dryRun) paths = {options.atlasPath, options.vdbPath};
+    paths.push_back(options.common.jsonPath);
+    std::erase(paths, "");
     return paths;
 }
 

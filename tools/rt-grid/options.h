@@ -1,6 +1,6 @@
 #pragma once
 #include "common/command_line.h"
-#include "tools/rt-grid/build_atlas.h"
+#include "tools/rt-grid/build_options.h"
 
 #include <optional>
 
@@ -10,6 +10,7 @@ struct GridOptions {
     std::string meshPath;
     std::string atlasPath;
     std::string vdbPath; ///< empty = none
+    bool dryRun = false; ///< forecast only
     BuildOptions build;
     CommonOptions common;
 };

@@ -69,7 +69,7 @@ std::uint64_t forecastMemoryBytes(const GridReport& report) {
     size.boxes = hasBoxes(atlas.grid.dims.w);
     const std::uint64_t words =
         hasBoxes(atlas.grid.dims.w) ? atlas.references.size() + atlas.bricks.size() : atlas.info.references;
-    return forecastBytes(size) + words * kBytesPerReference;
+    return forecastBytes(size) + words * bytesPerReference(size);
 }
 
 // Why auto chose as it did.

@@ -1,5 +1,7 @@
 #pragma once
 #include "common/stage_timer.h"
+#include "formats/atlas.h"
+#include "tools/rt-grid/choose_structure.h"
 #include "tools/rt-grid/options.h"
 
 #include <nlohmann/json_fwd.hpp>

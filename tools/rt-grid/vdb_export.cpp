@@ -1,51 +1,161 @@
 #include "tools/rt-grid/vdb_export.h"
 
 #include "common/error.h"
+#include "common/log.h"
+#include "tools/rt-grid/atlas_cells.h"
 
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
-#include <openvdb/tools/Dense.h>
-#include <tbb/parallel_for.h>
+#include <openvdb/tools/Prune.h>
 #include <xxhash.h>
 
-#include <algorithm>
-#include <memory>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <optional>
 #include <sstream>
 #include <vector>
 
 namespace rt {
 namespace {
 
-openvdb::math::Transform::Ptr worldFromIndex(const GridParams& grid) {
+// A level of the atlas: the grid, or all bricks of its voxels.
+struct Level {
+    int level = 0;
+    std::vector<CellBlock> blocks;
+};
+
+std::vector<Level> levelsOf(const Atlas& atlas) {
+    std::map<int, std::vector<CellBlock>> blocks{{0, {gridBlock(atlas)}}};
+    for (const BrickPlace& brick : bricksOf(atlas, "atlas"))
+        blocks[brick.level].push_back(brickBlock(atlas, brick));
+    std::vector<Level> levels;
+    for (auto& [level, ofLevel] : blocks) levels.push_back({level, std::move(ofLevel)});
+    return levels;
+}
+
+double worldSize(const GridParams& grid, int axis) {
+    return double(grid.cellSize[axis]) / double(grid.worldOffset.w);
+}
+
+// OpenVDB refuses voxels with a volume below 3e-15. By how much all grids are enlarged so that none has such:
+// a power of two.
+double enlargement(const GridParams& grid, int finestLevel) {
+    constexpr double kLeastVolume = 0x1p-44;
+    const double side = std::cbrt(worldSize(grid, 0) * worldSize(grid, 1) * worldSize(grid, 2));
+    const double wanted = std::cbrt(kLeastVolume) / std::ldexp(side, -finestLevel);
+    return std::exp2(std::max(0.0, std::ceil(std::log2(wanted))));
+}
+
+openvdb::math::Transform::Ptr worldFromIndex(const GridParams& grid, int level, double enlarged) {
     openvdb::Mat4d matrix = openvdb::Mat4d::identity(); // for row vectors: the last row is the translation
     for (int axis = 0; axis < 3; ++axis) {
-        const double cellSize = grid.cellSize[axis];
-        const double scale = grid.worldOffset.w;
-        matrix(axis, axis) = cellSize / scale;
-        matrix(3, axis) = (grid.gridLo[axis] + 0.5 * cellSize) / scale + grid.worldOffset[axis];
+        const double side = std::ldexp(worldSize(grid, axis), -level);
+        const double lo =
+            double(grid.gridLo[axis]) / double(grid.worldOffset.w) + double(grid.worldOffset[axis]);
+        matrix(axis, axis) = enlarged * side;
+        matrix(3, axis) = enlarged * (lo + 0.5 * side);
     }
     return openvdb::math::Transform::createLinearTransform(matrix);
 }
 
-// Grid of valueOf(word) for each voxel; voxels of value 0 stay inactive.
-template <class Grid, class Value, class ValueOf>
-typename Grid::Ptr makeGrid(const Atlas& atlas, const char* name, const char* meaning, ValueOf&& valueOf) {
-    const std::unique_ptr<Value[]> values(new Value[atlas.voxels.size()]);
-    tbb::parallel_for(std::size_t(0), atlas.voxels.size(),
-                      [&](std::size_t i) { values[i] = valueOf(atlas.voxels[i]); });
-    const glm::ivec3 last = glm::ivec3(atlas.grid.dims) - 1;
-    using Dense = openvdb::tools::Dense<Value, openvdb::tools::LayoutXYZ>;
-    const Dense dense(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(last.x, last.y, last.z)),
-                      values.get());
-    auto grid = Grid::create(typename Grid::ValueType(0));
-    openvdb::tools::copyFromDense(dense, *grid, typename Grid::ValueType(0));
-    grid->setName(name);
+// What the grids show of a word; nothing where a grid has no voxel.
+struct Occupancy {
+    using Grid = openvdb::BoolGrid;
+    static constexpr const char* kName = "occupancy";
+    static constexpr const char* kMeaning =
+        "active and true where a voxel of this size lists triangles; those that hold smaller voxels do not";
+    static std::optional<bool> of(const Atlas&, std::uint32_t word) {
+        return word & kOccupiedBit && !isBrick(word) ? std::optional(true) : std::nullopt;
+    }
+};
+struct Distance {
+    using Grid = openvdb::Int32Grid;
+    static constexpr const char* kName = "distance";
+    static constexpr const char* kMeaning =
+        "of empty voxels: how many voxels of this size rays may leap at least, whichever way they go";
+    static std::optional<std::int32_t> of(const Atlas& atlas, std::uint32_t word) {
+        return word & kOccupiedBit ? std::nullopt : std::optional(leapDistance(atlas.grid.dims.w, word));
+    }
+};
+struct References {
+    using Grid = openvdb::Int32Grid;
+    static constexpr const char* kName = "references";
+    static constexpr const char* kMeaning = "how many triangles the voxel lists";
+    static std::optional<std::int32_t> of(const Atlas& atlas, std::uint32_t word) {
+        if (!Occupancy::of(atlas, word)) return std::nullopt;
+        std::int32_t length = 1;
+        for (std::size_t i = leafList(word) + kListHeaderWords; !(atlas.references[i] & kLastInList); ++i)
+            ++length;
+        return length;
+    }
+};
+
+template <class Shown>
+openvdb::GridBase::Ptr makeGrid(const Atlas& atlas, const Level& level, double enlarged) {
+    auto grid = Shown::Grid::create(0);
+    auto voxels = grid->getAccessor();
+    for (const CellBlock& block : level.blocks)
+        for (std::size_t i = 0; i < block.words.size(); ++i)
+            if (const auto value = Shown::of(atlas, block.words[i])) {
+                const glm::ivec3 at = block.place(i).at;
+                voxels.setValue(openvdb::Coord(at.x, at.y, at.z), *value);
+            }
+    openvdb::tools::pruneInactive(grid->tree());
+    grid->pruneGrid();
+    const bool isNested = atlas.grid.dims.w == kStructureNested;
+    grid->setName(isNested ? fmt::format("{}_level{}", Shown::kName, level.level) : Shown::kName);
     grid->setGridClass(openvdb::GRID_UNKNOWN); // neither a level set nor a density
-    grid->setTransform(worldFromIndex(atlas.grid));
-    grid->insertMeta("rt:meaning", openvdb::StringMetadata(meaning));
+    grid->setTransform(worldFromIndex(atlas.grid, level.level, enlarged));
+    grid->insertMeta("rt:meaning", openvdb::StringMetadata(Shown::kMeaning));
+    grid->insertMeta("rt:structure", openvdb::StringMetadata(structureName(atlas.grid.dims.w)));
+    grid->insertMeta("rt:level", openvdb::Int32Metadata(level.level));
+    grid->insertMeta("rt:enlargedBy", openvdb::DoubleMetadata(enlarged));
     grid->insertMeta("rt:meshHash", openvdb::StringMetadata(fmt::format("{:016x}", atlas.info.meshHash)));
     return grid;
+}
+
+std::string streamOf(const openvdb::GridPtrVec& grids) {
+    std::ostringstream stream(std::ios::binary);
+    openvdb::io::Stream(stream).write(grids);
+    return std::move(stream).str();
+}
+
+// A stream of several grids is what one of none begins with, but for the number of grids at its end, and then
+// what follows that in the stream of each grid alone. So one grid at a time is in memory.
+class GridStream {
+public:
+    GridStream() : bytes_(streamOf({})), headBytes_(bytes_.size()) {}
+    void add(const openvdb::GridBase::Ptr& grid) {
+        bytes_.append(streamOf({grid}), headBytes_);
+        ++count_;
+    }
+    std::string finish() {
+        std::memcpy(&bytes_[headBytes_ - sizeof count_], &count_, sizeof count_);
+        return std::move(bytes_);
+    }
+
+private:
+    std::string bytes_;
+    std::size_t headBytes_;
+    std::int32_t count_ = 0;
+};
+
+// All levels, coarsest first.
+void addGrids(const Atlas& atlas, GridStream& stream) {
+    const std::vector<Level> levels = levelsOf(atlas);
+    const double enlarged = enlargement(atlas.grid, levels.back().level);
+    if (enlarged > 1.0)
+        logWarning(fmt::format(
+            "the grids of the .vdb are {:g} times as large as the scene: OpenVDB has no voxels as "
+            "small as {:.3g}",
+            enlarged, std::ldexp(worldSize(atlas.grid, 0), -levels.back().level)));
+    for (const Level& level : levels) {
+        stream.add(makeGrid<Occupancy>(atlas, level, enlarged));
+        if (atlas.grid.dims.w != kStructureUniform) stream.add(makeGrid<Distance>(atlas, level, enlarged));
+        stream.add(makeGrid<References>(atlas, level, enlarged));
+    }
 }
 
 bool isHexOrDash(char c, bool dash) {
@@ -77,17 +187,9 @@ void replaceIdentifier(std::string& bytes) {
 
 std::string vdbBytes(const Atlas& atlas) {
     openvdb::initialize();
-    openvdb::GridPtrVec grids;
-    grids.push_back(
-        makeGrid<openvdb::BoolGrid, bool>(atlas, "occupancy", "true where the voxel holds triangles",
-                                          [](std::uint32_t word) { return (word & kOccupiedBit) != 0; }));
-    if (atlas.grid.dims.w == kStructureCloud)
-        grids.push_back(makeGrid<openvdb::Int32Grid, std::int32_t>(
-            atlas, "distance", "chessboard distance to the nearest occupied voxel, in voxels",
-            [](std::uint32_t word) { return word & kOccupiedBit ? 0 : static_cast<std::int32_t>(word); }));
-    std::ostringstream stream(std::ios::binary);
-    openvdb::io::Stream(stream).write(grids);
-    std::string bytes = std::move(stream).str();
+    GridStream stream;
+    addGrids(atlas, stream);
+    std::string bytes = stream.finish();
     replaceIdentifier(bytes);
     return bytes;
 }

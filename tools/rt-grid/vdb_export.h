@@ -5,10 +5,11 @@
 
 namespace rt {
 
-/// Returns the bytes of an OpenVDB file that shows the atlas' voxels: boolean grid "occupancy" (active where
-/// occupied) and, for a cloud, 32-bit integer grid "distance" (active in empty voxels: the chessboard
-/// distance in voxels; inactive 0 in occupied ones). Index (x, y, z) is the voxel, and the transform takes it
-/// to the voxel's centre in world space. Same atlas, same bytes.
+/// Returns the bytes of an OpenVDB file that shows the atlas' voxels: boolean grids "occupancy" and 32-bit
+/// integer grids "distance" (of empty voxels; none for uniform) and "references" (of leaves); for nested one
+/// of each for every level that has voxels, "occupancy_level0" and so on. Index (x, y, z) is the voxel,
+/// counted in voxels of the level, and the transform takes it to the voxel's centre in world space. Other
+/// voxels are inactive. Same atlas, same bytes.
 std::string vdbBytes(const Atlas& atlas);
 
 } // namespace rt
