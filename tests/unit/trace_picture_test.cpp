@@ -1,4 +1,5 @@
 #include "common/error.h"
+#include "formats/heat_color.h"
 #include "formats/image.h"
 #include "tests/support/temporary_folder.h"
 #include "tools/rt-trace/camera_path.h"

@@ -1,6 +1,7 @@
 #include "tools/rt-trace/picture_files.h"
 
 #include "common/binary_io.h"
+#include "formats/heat_color.h"
 #include "formats/image.h"
 
 #include <algorithm>

@@ -17,9 +17,4 @@ glm::dvec3 toneMapped(ToneMap map, const glm::dvec3& linear);
 /// 0.2126 R + 0.7152 G + 0.0722 B.
 double luminanceOf(const glm::dvec3& linear);
 
-/// A colour for t in [0, 1] whose lightness grows evenly: from dark violet over green to yellow.
-/// sRGB-encoded, 0 to 1. Source: van der Walt & Smith 2015, "viridis"; 9 of its colours, straight lines
-/// between.
-glm::dvec3 heatColor(double t);
-
 } // namespace rt
