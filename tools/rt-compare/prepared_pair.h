@@ -1,0 +1,41 @@
+#pragma once
+#include "tools/rt-compare/comparison.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace rt {
+
+struct ChannelPair {
+    std::string name; ///< as in ChannelComparison
+    const ImageChannel* a = nullptr;
+    const ImageChannel* b = nullptr; ///< of the same size and kind (numbers or uint) as a
+};
+
+/// The channels of one LayerComparison. Channels of color layers stand in the order R, G, B, A, or Y, A.
+struct LayerPair {
+    std::size_t part = 0; ///< index in PreparedPair::focus
+    std::string name;
+    LayerKind kind = LayerKind::Color;
+    std::vector<ChannelPair> channels;
+
+    /// By the last part of the channel's name: "R" finds "albedo.R"; nullptr if absent.
+    const ChannelPair* find(const std::string& lastName) const;
+};
+
+/// Which pixels of a part are compared.
+struct Focus {
+    PixelBox box;                      ///< what the channels of the part hold: width*height values each
+    std::vector<std::uint8_t> ignored; ///< 1 = not compared, one per pixel of the box; empty: all are
+    std::uint64_t ignoredCount = 0;
+};
+
+/// Two pictures that were cut to the same pixels: what a mask takes out is 0 in both.
+struct PreparedPair {
+    Picture a, b;                  ///< after crop, padding and mask
+    std::vector<Focus> focus;      ///< for each pair of parts
+    std::vector<LayerPair> layers; ///< in the order of Comparison::layers; points into a and b
+};
+
+} // namespace rt
