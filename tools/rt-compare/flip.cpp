@@ -11,14 +11,18 @@
 namespace rt {
 namespace {
 
-constexpr double kToneMappedLevel = 0.85; // at which automatic exposures put the brightest pixel and the median
-constexpr float kDarkest = 0x1p-32f;      // of the brightest; what is darker has no say in exposures
+constexpr double kToneMappedLevel =
+    0.85;                            // at which automatic exposures put the brightest pixel and the median
+constexpr float kDarkest = 0x1p-32f; // of the brightest; what is darker has no say in exposures
 
 class FlipRun {
 public:
     FlipRun(const ColorPlanes& reference, const ColorPlanes& test, double pixelsPerDegree)
-        : errors_(reference.pixelCount()),
-          task_{{&reference, &test}, makeFlipFilters(pixelsPerDegree), {}, {}, errors_} {}
+        : errors_(reference.pixelCount()), task_{{&reference, &test},
+                                                 makeFlipFilters(pixelsPerDegree),
+                                                 {},
+                                                 {},
+                                                 errors_} {}
 
     void expose(std::optional<float> factor) {
         const int width = static_cast<int>(task_.pictures[0]->width);

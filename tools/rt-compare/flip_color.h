@@ -8,8 +8,8 @@ struct FloatsTriple {
     Floats x, y, z;
 };
 
-/// CIE XYZ of linear sRGB, divided by that of white: rows sum to 1, so that grey stays exactly without colour.
-/// From the sRGB primaries and D65 as fractions of whole numbers.
+/// CIE XYZ of linear sRGB, divided by that of white: rows sum to 1, so that grey stays exactly without
+/// colour. From the sRGB primaries and D65 as fractions of whole numbers.
 inline constexpr double kXyzFromRgb[3][3] = {
     {10135552.0 / 24577794, 8788810.0 / 24577794, 4435075.0 / 24577794},
     {2613072.0 / 12288897, 8788810.0 / 12288897, 887015.0 / 12288897},
@@ -76,7 +76,8 @@ inline constexpr float kAcesAbove[3] = {0.0f, 0.6f * 0.03f, 0.36f * 2.51f};
 inline constexpr float kAcesBelow[3] = {0.14f, 0.6f * 0.59f, 0.36f * 2.43f};
 
 inline Floats acesToneMapped(const Floats& v) {
-    return v * (kAcesAbove[1] + v * kAcesAbove[2]) / (kAcesBelow[0] + v * (kAcesBelow[1] + v * kAcesBelow[2]));
+    return v * (kAcesAbove[1] + v * kAcesAbove[2]) /
+           (kAcesBelow[0] + v * (kAcesBelow[1] + v * kAcesBelow[2]));
 }
 
 } // namespace rt

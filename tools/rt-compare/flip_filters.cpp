@@ -77,7 +77,8 @@ void addFeatures(FlipFilters& filters, double pixelsPerDegree) {
     const auto gauss = [&](double x) { return std::exp(-x * x / (2.0 * deviation * deviation)); };
     const Half smooth = sampled(radius, gauss);
     const Half edge = sampled(radius, [&](double x) { return -x * gauss(x); });
-    Half point = sampled(radius, [&](double x) { return (x * x / (deviation * deviation) - 1.0) * gauss(x); });
+    Half point =
+        sampled(radius, [&](double x) { return (x * x / (deviation * deviation) - 1.0) * gauss(x); });
     double negative = point[0], positive = 0.0, edgeSum = 0.0;
     for (int x = 1; x <= radius; ++x) {
         const auto i = static_cast<std::size_t>(x);

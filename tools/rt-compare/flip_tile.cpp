@@ -93,7 +93,8 @@ FlipColors::FlipColors() {
             rgbFromRelativeXyz[row][column] = static_cast<float>(inverse[column][row]);
         }
     const Floats none = allFloats(0.0f), full = allFloats(1.0f);
-    const Floats difference = hyAb(huntLabOf(*this, {none, full, none}), huntLabOf(*this, {none, none, full}));
+    const Floats difference =
+        hyAb(huntLabOf(*this, {none, full, none}), huntLabOf(*this, {none, none, full}));
     largestDifference = power(difference, allFloats(kColorExponent))[0];
 }
 

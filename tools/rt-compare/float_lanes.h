@@ -52,7 +52,7 @@ inline Floats squareRoot(const Floats& a) {
     return a * inverse;
 }
 
-/// For normal numbers > 0, within 3e-7 of the value: Halley's method from a third of the exponent.
+/// For numbers from 1e-9 to 1e9, within 3e-7 of the value: Halley's method from a third of the exponent.
 inline Floats cubeRoot(const Floats& a) {
     const Floats third = __builtin_convertvector(bitsOf(a), Floats) * (1.0f / 3.0f) + float(0x2a514067);
     Floats root = floatsOf(__builtin_convertvector(third, Ints));
@@ -80,8 +80,7 @@ inline Floats exp2Of(const Floats& a) {
     const Floats x = (a - __builtin_convertvector(whole, Floats)) * 0.69314718f;
     const Floats series =
         1.0f +
-        x * (1.0f +
-             x * (1.0f / 2 + x * (1.0f / 6 + x * (1.0f / 24 + x * (1.0f / 120 + x * (1.0f / 720))))));
+        x * (1.0f + x * (1.0f / 2 + x * (1.0f / 6 + x * (1.0f / 24 + x * (1.0f / 120 + x * (1.0f / 720))))));
     return floatsOf(bitsOf(series) + (whole << 23));
 }
 
