@@ -123,7 +123,7 @@ TEST(Flip, AgreesWithADoublePrecisionTranscriptionOfThePaper) {
 
 TEST(Flip, OfHdrAgreesWithADoublePrecisionTranscriptionOfThePaper) {
     const Colors a = brightWaves(), b = disturbedBrightWaves();
-    const ExposureRange automatic = automaticExposures(a.planes(), b.planes());
+    const ExposureRange automatic = automaticExposures(a.planes(), b.planes()).range;
     EXPECT_NEAR(automatic.start, -3.2445114, 1e-5);
     EXPECT_NEAR(automatic.stop, -0.5132214, 5e-4); // the median is the mean of two values there, one here
     EXPECT_EQ(automatic.count, 3u);
@@ -236,7 +236,8 @@ Colors squareOf(double value, double background = 0.0) {
 TEST(FlipExposures, SeeTheSquareOnABlackBackground) {
     for (const double background : {0.0, 1e-30}) {
         const Colors reference = squareOf(2.0, background), other = squareOf(1.0, background);
-        const ExposureRange range = automaticExposures(reference.planes(), other.planes());
+        const auto [range, note] = automaticExposures(reference.planes(), other.planes());
+        EXPECT_THAT(note, testing::HasSubstr("most pixels are black"));
         EXPECT_TRUE(std::isfinite(range.start) && std::isfinite(range.stop));
         EXPECT_NEAR(range.start, range.stop, 1e-9); // all that is lit is equally bright
         EXPECT_EQ(range.count, 1u);
@@ -249,14 +250,14 @@ TEST(FlipExposures, SeeTheSquareOnABlackBackground) {
 TEST(FlipExposures, TakeConstantAndBlackReferences) {
     const Colors black = constantOf(16, 16, 0.0), grey = constantOf(16, 16, 0.18),
                  dark = constantOf(16, 16, -1.0);
-    const ExposureRange constant = automaticExposures(grey.planes(), black.planes());
+    const ExposureRange constant = automaticExposures(grey.planes(), black.planes()).range;
     EXPECT_EQ(constant.count, 1u);
     EXPECT_GT(poolErrors(flipHdr(grey.planes(), black.planes(), constant)).mean, 0.9);
-    const ExposureRange fromTest = automaticExposures(black.planes(), grey.planes());
+    const ExposureRange fromTest = automaticExposures(black.planes(), grey.planes()).range;
     EXPECT_EQ(fromTest.start, constant.start);
     EXPECT_GT(poolErrors(flipHdr(black.planes(), grey.planes(), fromTest)).mean, 0.9);
     for (const Colors& other : {black, dark}) {
-        const ExposureRange none = automaticExposures(black.planes(), other.planes());
+        const ExposureRange none = automaticExposures(black.planes(), other.planes()).range;
         EXPECT_EQ(none.start, 0.0);
         EXPECT_EQ(none.count, 1u);
         EXPECT_EQ(poolErrors(flipHdr(black.planes(), other.planes(), none)).max, 0.0);
@@ -265,12 +266,12 @@ TEST(FlipExposures, TakeConstantAndBlackReferences) {
 
 TEST(FlipExposures, AreAtMost33AndIgnoreWhatIsNotFinite) {
     Colors wide = colorsOf(64, 64, [](double x, double, double) { return std::exp2(x * 4.0 - 126.0); });
-    EXPECT_LE(automaticExposures(wide.planes(), wide.planes()).count, 33u);
+    EXPECT_LE(automaticExposures(wide.planes(), wide.planes()).range.count, 33u);
     Colors grey = constantOf(16, 16, 0.5);
-    const ExposureRange before = automaticExposures(grey.planes(), grey.planes());
+    const ExposureRange before = automaticExposures(grey.planes(), grey.planes()).range;
     grey.values[0][3] = INFINITY;
     grey.values[0][4] = std::nanf("");
-    const ExposureRange after = automaticExposures(grey.planes(), grey.planes());
+    const ExposureRange after = automaticExposures(grey.planes(), grey.planes()).range;
     EXPECT_EQ(before.start, after.start);
     EXPECT_EQ(before.stop, after.stop);
 }

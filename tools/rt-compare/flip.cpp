@@ -87,23 +87,31 @@ std::vector<float> flipHdr(const ColorPlanes& reference, const ColorPlanes& test
     return run.take();
 }
 
-ExposureRange automaticExposures(const ColorPlanes& reference, const ColorPlanes& test) {
+AutomaticExposures automaticExposures(const ColorPlanes& reference, const ColorPlanes& test) {
+    AutomaticExposures result;
     for (const ColorPlanes* const picture : {&reference, &test}) {
         std::vector<float> luminances = luminancesOf(*picture);
         const float brightest = *std::max_element(luminances.begin(), luminances.end());
-        if (brightest == 0.0f) continue;
+        if (brightest == 0.0f) {
+            result.note = "the reference is black; exposures are those of the other picture";
+            continue;
+        }
         float median = medianOf(luminances);
         if (median <= brightest * kDarkest) {
+            result.note += result.note.empty() ? "" : "; ";
+            result.note += "most pixels are black; exposures are those of the others";
             std::erase_if(luminances, [&](float y) { return y <= brightest * kDarkest; });
             median = medianOf(luminances);
         }
         const double level = valueAtLevel();
-        ExposureRange range{std::log2(level / brightest), std::log2(level / median), 1};
+        ExposureRange& range = result.range;
+        range = {std::log2(level / brightest), std::log2(level / median), 1};
         if (range.stop > range.start)
             range.count = std::max(2u, static_cast<unsigned>(std::ceil(range.stop - range.start)));
-        return range;
+        return result;
     }
-    return {};
+    result.note = "both pictures are black; the exposure is 0";
+    return result;
 }
 
 } // namespace rt

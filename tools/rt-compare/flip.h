@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace rt {
@@ -39,11 +40,16 @@ std::vector<float> flipLdr(const ColorPlanes& reference, const ColorPlanes& test
 std::vector<float> flipHdr(const ColorPlanes& reference, const ColorPlanes& test,
                            const ExposureRange& exposures, double pixelsPerDegree = kDefaultPixelsPerDegree);
 
+struct AutomaticExposures {
+    ExposureRange range;
+    std::string note; ///< what stood in for the paper's rule; empty: nothing did
+};
+
 /// From the exposure at which the reference's brightest pixel comes out at 0.85 to that at which its median
 /// does, about a stop apart. Where the paper's rule breaks down it still gives exposures in which something
 /// is seen: the median is that of the pixels brighter than the brightest / 2^32 if the one of all pixels is
 /// darker (a black background); a black reference leaves the choice to the test picture; two black pictures
 /// get the exposure 0. At most 33 exposures.
-ExposureRange automaticExposures(const ColorPlanes& reference, const ColorPlanes& test);
+AutomaticExposures automaticExposures(const ColorPlanes& reference, const ColorPlanes& test);
 
 } // namespace rt

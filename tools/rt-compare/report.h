@@ -1,23 +1,31 @@
 #pragma once
-#include "tools/rt-compare/metrics.h"
+#include "tools/rt-compare/comparison.h"
+#include "tools/rt-compare/prepared_pair.h"
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 namespace rt {
 
-/// What was compared, for the reports.
-struct ComparedFiles {
-    std::string nameA, nameB;
-    const Image& a;
-    const Image& b;
-    double maxRmse;
+/// One comparison, for the reports.
+struct ReportedPair {
+    const std::string& nameA;
+    const std::string& nameB;
+    const PreparedPair& pair;
+    const Comparison& comparison;
 };
 
-/// A few lines for people, with units.
-std::string textReport(const ComparedFiles& files, const Comparison& comparison);
+/// Lines for people, with units: what was compared, the figures of each layer and channel, why it fails.
+/// `colored`: with a terminal's colours for what fails and what passes.
+std::string textReport(const ReportedPair& reported, bool colored);
 
-/// The same figures for programs, schemaVersion 1; see README.md.
-nlohmann::json jsonReport(const ComparedFiles& files, const Comparison& comparison);
+/// The same figures for programs: one element of `pairs` of README.md's schema.
+nlohmann::json jsonReport(const ReportedPair& reported);
+
+/// The whole file, schemaVersion 2: `pairs` are what jsonReport() gave.
+nlohmann::json jsonFile(nlohmann::json pairs);
+
+/// The pairs as test cases of one suite, as JUnit readers of CI systems take them.
+std::string junitReport(const nlohmann::json& pairs);
 
 } // namespace rt
