@@ -121,6 +121,24 @@ struct LayerComparison {
     std::optional<FlipFigures> flip;
 };
 
+/// What a limit can be set on. Over: the fraction of pixels that differ by more than a threshold; Differing:
+/// that differ at all.
+enum class Metric {
+    MaxAbs,
+    Mae,
+    Mse,
+    Rmse,
+    RelMse,
+    Smape,
+    Flip,
+    Psnr,
+    Ssim,
+    MsSsim,
+    Percentile,
+    Over,
+    Differing
+};
+
 /// One limit, and what was found.
 struct LimitCheck {
     std::string where;  ///< a layer's or channel's name
@@ -129,6 +147,8 @@ struct LimitCheck {
     double limit = 0.0;
     bool atLeast = false; ///< passes from the limit on (PSNR, SSIM), not up to it
     bool passed = false;  ///< never if the value is NaN
+    Metric kind = Metric::Rmse;
+    double parameter = 0.0; ///< Percentile: per cent; Over: threshold
 };
 
 /// The best whole-pixel shift of the reference: b(x + dx, y + dy) is like a(x, y).

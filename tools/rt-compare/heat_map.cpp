@@ -50,7 +50,8 @@ void addColors(Image& image, const std::vector<float>& heat) {
     for (int c = 0; c < 3; ++c) {
         std::vector<float> values;
         values.reserve(heat.size());
-        for (const float t : heat) values.push_back(colors[static_cast<std::size_t>(std::lround(t * 255.0f))][c]);
+        for (const float t : heat)
+            values.push_back(colors[static_cast<std::size_t>(std::lround(t * 255.0f))][c]);
         addChannel(image, std::string(1, "RGB"[c]), std::move(values));
     }
 }
@@ -76,11 +77,14 @@ Image heatMap(const PreparedPair& pair, const std::vector<PerceptionMaps>& maps,
     for (std::size_t i = 0; i < pair.layers.size(); ++i) {
         const LayerPair& layer = pair.layers[i];
         if (layer.part != 0) continue;
-        const bool isBetter = shown && pair.layers[*shown].kind != LayerKind::Color && layer.kind == LayerKind::Color;
+        const bool isBetter =
+            shown && pair.layers[*shown].kind != LayerKind::Color && layer.kind == LayerKind::Color;
         if (!shown || isBetter) shown = i;
         for (const ChannelPair& channel : layer.channels)
             addChannel(image, "error." + channel.name, absoluteErrors(channel));
-        const auto nameOf = [&](const std::string& map) { return image.find(map) ? map + "." + layer.name : map; };
+        const auto nameOf = [&](const std::string& map) {
+            return image.find(map) ? map + "." + layer.name : map;
+        };
         if (!maps[i].flip.empty()) addChannel(image, nameOf("flip"), std::vector(maps[i].flip));
         if (!maps[i].ssim.empty()) addChannel(image, nameOf("ssim"), std::vector(maps[i].ssim));
     }

@@ -34,8 +34,8 @@ std::optional<LayerColors> colorsOf(const PreparedPair& pair, const LayerPair& l
     for (ColorPlanes* const planes : {&colors.a, &colors.b}) {
         planes->width = box.width();
         planes->height = box.height();
-        planes->encoding = pair.a.scale == ValueScale::Display ? ColorPlanes::Encoding::Srgb
-                                                               : ColorPlanes::Encoding::Linear;
+        planes->encoding =
+            pair.a.scale == ValueScale::Display ? ColorPlanes::Encoding::Srgb : ColorPlanes::Encoding::Linear;
     }
     colors.black.resize(colors.a.pixelCount());
     for (std::size_t c = 0; c < 3; ++c) {
@@ -145,7 +145,8 @@ std::vector<PerceptionMaps> addPerception(const PreparedPair& pair, const Percep
     std::vector<PerceptionMaps> maps(pair.layers.size());
     for (std::size_t i = 0; i < pair.layers.size(); ++i) {
         LayerComparison& layer = comparison.layers[i];
-        if (layer.kind != LayerKind::Color || !(options.flip || options.ssim || options.msSsim || options.ssimMap))
+        if (layer.kind != LayerKind::Color ||
+            !(options.flip || options.ssim || options.msSsim || options.ssimMap))
             continue;
         const std::optional<LayerColors> colors = colorsOf(pair, pair.layers[i]);
         if (!colors || colors->a.pixelCount() == 0) continue;

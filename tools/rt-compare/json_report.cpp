@@ -1,7 +1,11 @@
-#include "tools/rt-compare/report.h"
+#include "tools/rt-compare/json_report.h"
 
+#include "common/error.h"
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 namespace rt {
@@ -127,7 +131,25 @@ Json describeNoise(const NoiseTest& noise) {
             {"passed", noise.passed()}};
 }
 
-void addVerdict(const Comparison& comparison, Json& result) {
+Json describePlaces(const std::vector<NonFinitePlace>& places) {
+    const auto textOf = [](double value) { // JSON has no such numbers
+        return std::isfinite(value) ? Json(value) : Json(fmt::format("{}", value));
+    };
+    Json result = Json::array();
+    for (const NonFinitePlace& place : places)
+        result.push_back({{"channel", place.channel},
+                          {"x", place.x},
+                          {"y", place.y},
+                          {"a", textOf(place.a)},
+                          {"b", textOf(place.b)}});
+    return result;
+}
+
+const char* verdictOf(int exitCode) {
+    return exitCode == 0 ? "pass" : exitCode == kExitImagesDiffer ? "fail" : "error";
+}
+
+void addFindings(const Comparison& comparison, Json& report) {
     Json findings = Json::array(), checks = Json::array();
     for (const Finding& finding : comparison.findings)
         findings.push_back({{"kind", finding.kind}, {"text", finding.text}, {"fails", finding.fails}});
@@ -138,50 +160,58 @@ void addVerdict(const Comparison& comparison, Json& result) {
                           {"limit", check.limit},
                           {"atLeast", check.atLeast},
                           {"passed", check.passed}});
-    result["verdict"] = comparison.passed() ? "pass" : "fail";
-    result["findings"] = std::move(findings);
-    result["checks"] = std::move(checks);
-    result["notes"] = comparison.notes;
+    report["findings"] = std::move(findings);
+    report["checks"] = std::move(checks);
 }
 
 } // namespace
 
-Json jsonReport(const ReportedPair& reported) {
-    const Comparison& comparison = reported.comparison;
-    Json result{{"a", describePicture(reported.nameA, reported.pair.a, comparison.nonFiniteA)},
-                {"b", describePicture(reported.nameB, reported.pair.b, comparison.nonFiniteB)},
+Json jsonReport(const PairResult& result, const PreparedPair* pair) {
+    const auto fileOf = [](const std::string& name) {
+        return Json{{"file", name.empty() ? Json() : Json(name)}};
+    };
+    if (!result.comparison)
+        return {{"a", fileOf(result.nameA)},
+                {"b", fileOf(result.nameB)},
+                {"exitCode", result.exitCode},
+                {"verdict", verdictOf(result.exitCode)},
+                {"problem", result.problem}};
+    const Comparison& comparison = *result.comparison;
+    Json report{{"a", describePicture(result.nameA, pair->a, comparison.nonFiniteA)},
+                {"b", describePicture(result.nameB, pair->b, comparison.nonFiniteB)},
+                {"exitCode", result.exitCode},
+                {"verdict", verdictOf(result.exitCode)},
                 {"box", boxOf(comparison.box)},
                 {"ignoredPixels", comparison.ignored},
                 {"nonFiniteDiffering", comparison.nonFiniteDiffering},
+                {"nonFinitePlaces", describePlaces(comparison.nonFinitePlaces)},
+                {"notes", comparison.notes},
                 {"alignment", nullptr},
-                {"noise", nullptr}};
-    addVerdict(comparison, result);
-    Json layers = Json::array(), places = Json::array();
-    for (const LayerComparison& layer : comparison.layers) layers.push_back(describeLayer(layer));
-    const auto textOf = [](double value) { // JSON has no such numbers
-        return std::isnan(value) ? Json("nan") : std::isinf(value) ? Json(value > 0.0 ? "inf" : "-inf") : Json(value);
-    };
-    for (const NonFinitePlace& place : comparison.nonFinitePlaces)
-        places.push_back({{"channel", place.channel},
-                          {"x", place.x},
-                          {"y", place.y},
-                          {"a", textOf(place.a)},
-                          {"b", textOf(place.b)}});
-    result["layers"] = std::move(layers);
-    result["nonFinitePlaces"] = std::move(places);
+                {"noise", nullptr},
+                {"layers", Json::array()}};
+    addFindings(comparison, report);
+    for (const LayerComparison& layer : comparison.layers) report["layers"].push_back(describeLayer(layer));
     if (const auto& alignment = comparison.alignment)
-        result["alignment"] = {{"dx", alignment->dx},
+        report["alignment"] = {{"dx", alignment->dx},
                                {"dy", alignment->dy},
                                {"rmse", alignment->rmse},
                                {"rmseInPlace", alignment->rmseInPlace}};
-    if (comparison.noise) result["noise"] = describeNoise(*comparison.noise);
-    return result;
+    if (comparison.noise) report["noise"] = describeNoise(*comparison.noise);
+    return report;
 }
 
 Json jsonFile(Json pairs) {
-    bool isPassed = true;
-    for (const Json& pair : pairs) isPassed = isPassed && pair.at("verdict") == "pass";
-    return {{"schemaVersion", 2}, {"verdict", isPassed ? "pass" : "fail"}, {"pairs", std::move(pairs)}};
+    const auto countOf = [&](const char* verdict) {
+        return std::ranges::count_if(pairs, [&](const Json& pair) { return pair.at("verdict") == verdict; });
+    };
+    const auto failing = countOf("fail"), unreadable = countOf("error");
+    return {{"schemaVersion", 2},
+            {"verdict", unreadable > 0 ? "error"
+                        : failing > 0  ? "fail"
+                                       : "pass"},
+            {"failing", failing},
+            {"unreadable", unreadable},
+            {"pairs", std::move(pairs)}};
 }
 
 } // namespace rt

@@ -1,4 +1,4 @@
-#include "tools/rt-compare/report_html.h"
+#include "tools/rt-compare/html_report.h"
 
 #include "formats/heat_color.h"
 #include "tools/rt-compare/heat_map.h"
@@ -108,11 +108,13 @@ std::string packedBytes(const PageScale& scale, const std::vector<float>& values
 Json flipHistogram(const std::vector<float>& flip, const std::vector<std::uint8_t>& ignored) {
     std::array<std::uint64_t, 64> counts{};
     for (std::size_t i = 0; i < flip.size(); ++i)
-        if (ignored.empty() || !ignored[i]) ++counts[std::min(static_cast<std::size_t>(flip[i] * 64.0f), std::size_t(63))];
+        if (ignored.empty() || !ignored[i])
+            ++counts[std::min(static_cast<std::size_t>(flip[i] * 64.0f), std::size_t(63))];
     return counts;
 }
 
-Json describeLayer(const PageScale& scale, const PreparedPair& pair, const PerceptionMaps& maps, std::size_t index) {
+Json describeLayer(const PageScale& scale, const PreparedPair& pair, const PerceptionMaps& maps,
+                   std::size_t index) {
     const LayerPair& layer = pair.layers[index];
     Json result{{"name", layer.name}};
     for (const char* name : {"R", "G", "B", "Y"}) {
@@ -192,7 +194,8 @@ std::string filled(const std::string& page, const std::vector<std::pair<std::str
 
 } // namespace
 
-std::string htmlReport(const Json& report, const PreparedPair& pair, const std::vector<PerceptionMaps>& maps) {
+std::string htmlReport(const Json& report, const PreparedPair& pair,
+                       const std::vector<PerceptionMaps>& maps) {
     const std::string title = "rt-compare: " + report.at("verdict").get<std::string>() + ": " +
                               report.at("a").at("file").get<std::string>();
     return filled(kReportPage, {{"title", escapedText(title)},
