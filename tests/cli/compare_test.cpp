@@ -84,13 +84,15 @@ TEST_F(CompareCli, NonFinitePixelsNeverPass) {
 TEST_F(CompareCli, JsonHoldsTheFiguresAndLeavesNoFileOnErrors) {
     EXPECT_EQ(compare({"zero.exr", "half.exr", "--json", "report.json"}).exitCode, 1);
     const auto report = nlohmann::json::parse(readText(folder_.file("report.json")));
-    EXPECT_EQ(report.at("schemaVersion"), 1);
+    EXPECT_EQ(report.at("schemaVersion"), 2);
     EXPECT_EQ(report.at("verdict"), "fail");
-    EXPECT_NEAR(report.at("color").at("rmse").get<double>(), 0.35355339059327379, 1e-15);
-    EXPECT_EQ(report.at("color").at("compared"), 6);
-    EXPECT_EQ(report.at("worst").at("x"), 1);
-    EXPECT_EQ(report.at("uints").at("id").at("differing"), 1);
-    EXPECT_EQ(report.at("a").at("file"), folder_.file("zero.exr"));
+    const auto& pair = report.at("pairs").at(0);
+    const auto& color = pair.at("layers").at(0);
+    EXPECT_NEAR(color.at("rmse").get<double>(), 0.35355339059327379, 1e-15);
+    EXPECT_EQ(color.at("compared"), 6);
+    EXPECT_EQ(color.at("worst").at(0).at("x"), 1);
+    EXPECT_EQ(pair.at("layers").at(1).at("channels").at(0).at("differing"), 1);
+    EXPECT_EQ(pair.at("a").at("file"), folder_.file("zero.exr"));
     EXPECT_EQ(compare({"zero.exr", "absent.exr", "--json", "other.json"}).exitCode, 3);
     EXPECT_THAT(readText(folder_.file("other.json")), IsEmpty());
 }
@@ -99,9 +101,10 @@ TEST_F(CompareCli, JsonOnStandardOutputIsAlone) {
     const CommandResult result = compare({"zero.exr", "nan.exr", "--json", "-"});
     EXPECT_EQ(result.exitCode, 1);
     const auto report = nlohmann::json::parse(result.out);
-    EXPECT_EQ(report.at("b").at("nan"), 3);
-    EXPECT_EQ(report.at("b").at("nonFinitePixels"), 1);
-    EXPECT_EQ(report.at("b").at("firstNonFinite").at("x"), 1);
+    const auto& b = report.at("pairs").at(0).at("b");
+    EXPECT_EQ(b.at("nan"), 3);
+    EXPECT_EQ(b.at("nonFinitePixels"), 1);
+    EXPECT_EQ(b.at("firstNonFinite").at("x"), 1);
 }
 
 TEST_F(CompareCli, StandardInputIsAnImage) {

@@ -22,7 +22,7 @@ std::vector<float> largestErrors(const PreparedPair& pair, const LayerPair& laye
     for (const ChannelPair& channel : layer.channels) {
         const std::vector<float> errors = absoluteErrors(channel);
         for (std::size_t i = 0; i < errors.size(); ++i)
-            if (!(errors[i] <= largest[i])) largest[i] = errors[i]; // NaN too
+            if (std::isfinite(largest[i]) && !(errors[i] <= largest[i])) largest[i] = errors[i]; // NaN too
     }
     float most = 0.0f;
     for (const float error : largest)
