@@ -191,8 +191,11 @@ Layout checkHeader(const Imf::Header& header, bool isTiled, const ReadRules& rul
         throwInvalid(name, fmt::format("is of type '{}'; only flat pictures are read", header.type()));
     const CompressionTraits traits = traitsOf(header.compression());
     if (traits.maxRatio == 0 || (!traits.isSafe && !rules.limits.allCompressions))
-        throwInvalid(name, fmt::format("compression {} is not read; save it with NONE, RLE, ZIPS or ZIP",
-                                       compressionName(header.compression())));
+        throwInvalid(name, fmt::format("compression {} is not read; save it with NONE, RLE, ZIPS or ZIP{}",
+                                       compressionName(header.compression()),
+                                       rules.isPlain || traits.maxRatio == 0
+                                           ? ""
+                                           : ", or trust it with --allow-compression all"));
     Layout layout = checkWindow(header, rules.limits, name);
     layout.isTiled = isTiled;
     const ChannelTotals totals = checkChannels(header, layout, rules.isPlain, name);

@@ -34,10 +34,11 @@ void findBlack(const std::set<std::string>& allowed, Comparison& comparison) {
     std::ranges::move(found, std::back_inserter(comparison.findings));
 }
 
-// Layers that no limit holds and that differ should not go unseen.
+// Layers that no limit and no noise test holds and that differ should not go unseen.
 void noteUngated(Comparison& comparison) {
     std::vector<std::string> names;
     for (const LayerComparison& layer : comparison.layers) {
+        if (comparison.noise && layer.kind != LayerKind::Ids) continue;
         const auto isGated = [&](const LimitCheck& check) {
             return check.where == layer.name ||
                    std::ranges::find(layer.channels, check.where, &ChannelComparison::name) !=
@@ -47,9 +48,10 @@ void noteUngated(Comparison& comparison) {
         if (differs && std::ranges::none_of(comparison.checks, isGated)) names.push_back(layer.name);
     }
     if (!names.empty())
-        comparison.notes.push_back(
-            fmt::format("no limit holds {0}, which differ; --max-rmse {1}=X or '*=X' sets one",
-                        fmt::join(names, ", "), names.front()));
+        comparison.notes.push_back(fmt::format(
+            "no limit holds {}, which differ; --max-rmse NAME=X sets one, --max-differing NAME=F of "
+            "uint channels",
+            fmt::join(names, ", ")));
 }
 
 void addNoiseFindings(Comparison& comparison) {

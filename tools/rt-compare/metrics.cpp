@@ -139,6 +139,12 @@ ErrorFigures figuresOf(const Sums& sums, double peak) {
     return figures;
 }
 
+// Rounded to single precision, a percentile may come out above the largest error of all.
+void limitPercentiles(ErrorFigures& figures) {
+    for (Percentile& percentile : figures.percentiles)
+        percentile.absError = std::min(percentile.absError, figures.maxAbs);
+}
+
 class LayerMeasurement {
 public:
     LayerMeasurement(const LayerPair& layer, const Focus& focus, const MetricOptions& options)
@@ -216,6 +222,8 @@ private:
         }
         result.figures.percentiles = std::move(percentiles.back());
         result.figures.histogram = histogramOf(all);
+        limitPercentiles(result.figures);
+        for (ChannelComparison& channel : result.channels) limitPercentiles(channel.figures);
     }
 
     void addWorst(LayerComparison& result) const {

@@ -214,13 +214,24 @@ private:
     Plane a_, b_;
 };
 
-/// Sums over squares of pixels.
-struct Grid {
-    std::size_t width = 0, height = 0;
-    std::vector<double> difference, reference, pixels;
+/// Sums over regions that lie side by side, all of the same size.
+struct Regions {
+    struct Sums {
+        double difference = 0.0, squares = 0.0, reference = 0.0, pixels = 0.0;
 
-    Grid(std::size_t w, std::size_t h)
-        : width(w), height(h), difference(w * h), reference(w * h), pixels(w * h) {}
+        void add(const Sums& other) {
+            difference += other.difference;
+            squares += other.squares;
+            reference += other.reference;
+            pixels += other.pixels;
+        }
+    };
+    std::size_t side = 0, columns = 0; ///< in pixels, in regions
+    std::vector<Sums> sums;
+
+    Regions(const PixelBox& box, std::size_t s)
+        : side(s), columns((box.width() + s - 1) / s), sums(columns * ((box.height() + s - 1) / s)) {}
+    Sums& at(std::size_t x, std::size_t y) { return sums[y / side * columns + x / side]; }
 };
 
 class RegionTest {
@@ -246,71 +257,55 @@ public:
     }
 
 private:
-    static constexpr std::size_t kSquare =
-        8; // pixels a side of the smallest squares, and squares a side of a region
+    static constexpr std::size_t kSquare = 8, kSmallest = 64; // sides in pixels
 
-    static Grid squaresOf(const ChannelPair& channel, const Focus& focus) {
+    static Regions smallestRegions(const ChannelPair& channel, const Focus& focus) {
         const std::size_t width = focus.box.width();
-        Grid grid((width + kSquare - 1) / kSquare, (focus.box.height() + kSquare - 1) / kSquare);
+        Regions squares(focus.box, kSquare), regions(focus.box, kSmallest);
         for (std::size_t i = 0; i < channel.a->values.size(); ++i) {
             const double a = channel.a->values[i], b = channel.b->values[i];
             if ((!focus.ignored.empty() && focus.ignored[i]) || !std::isfinite(a - b)) continue;
-            const std::size_t square = i / width / kSquare * grid.width + i % width / kSquare;
             const bool isRounding = std::abs(a - b) <= kRounding * std::max(std::abs(a), std::abs(b));
-            grid.difference[square] += isRounding ? 0.0 : a - b;
-            grid.reference[square] += b;
-            grid.pixels[square] += 1.0;
+            squares.at(i % width, i / width).add({isRounding ? 0.0 : a - b, 0.0, b, 1.0});
         }
-        return grid;
-    }
-
-    static Grid merged(const Grid& fine) {
-        Grid coarse((fine.width + 1) / 2, (fine.height + 1) / 2);
-        for (std::size_t y = 0; y < fine.height; ++y)
-            for (std::size_t x = 0; x < fine.width; ++x) {
-                const std::size_t from = y * fine.width + x, to = y / 2 * coarse.width + x / 2;
-                coarse.difference[to] += fine.difference[from];
-                coarse.reference[to] += fine.reference[from];
-                coarse.pixels[to] += fine.pixels[from];
-            }
-        return coarse;
+        for (std::size_t i = 0; i < squares.sums.size(); ++i) {
+            Regions::Sums& square = squares.sums[i];
+            square.squares = square.difference * square.difference;
+            regions.at(i % squares.columns * kSquare, i / squares.columns * kSquare).add(square);
+        }
+        return regions;
     }
 
     void testChannel(const ChannelPair& channel, const Focus& focus) {
-        std::size_t square = kSquare;
-        for (Grid grid = squaresOf(channel, focus);; grid = merged(grid), square *= 2) {
-            for (std::size_t y = 0; y < grid.height; y += kSquare)
-                for (std::size_t x = 0; x < grid.width; x += kSquare)
-                    testRegion(channel, focus, grid, x, y, square);
-            if (grid.width <= kSquare && grid.height <= kSquare) return; // that was the whole picture
+        for (Regions regions = smallestRegions(channel, focus);;) {
+            for (std::size_t i = 0; i < regions.sums.size(); ++i) testRegion(channel, focus, regions, i);
+            if (regions.sums.size() <= 1) return; // that was the whole picture
+            Regions larger(focus.box, regions.side * 2);
+            for (std::size_t i = 0; i < regions.sums.size(); ++i)
+                larger.at(i % regions.columns * regions.side, i / regions.columns * regions.side)
+                    .add(regions.sums[i]);
+            regions = std::move(larger);
         }
     }
 
-    void testRegion(const ChannelPair& channel, const Focus& focus, const Grid& grid, std::size_t x0,
-                    std::size_t y0, std::size_t square) {
-        double sum = 0.0, squares = 0.0, reference = 0.0, pixels = 0.0;
-        for (std::size_t y = y0; y < std::min(grid.height, y0 + kSquare); ++y)
-            for (std::size_t x = x0; x < std::min(grid.width, x0 + kSquare); ++x) {
-                const std::size_t i = y * grid.width + x;
-                sum += grid.difference[i];
-                squares += grid.difference[i] * grid.difference[i];
-                reference += grid.reference[i];
-                pixels += grid.pixels[i];
-            }
-        if (pixels == 0.0) return;
+    void testRegion(const ChannelPair& channel, const Focus& focus, const Regions& regions,
+                    std::size_t index) {
+        const Regions::Sums& sums = regions.sums[index];
+        if (sums.pixels == 0.0) return;
         ++result_.regions;
+        const double square = sums.difference * sums.difference;
         const double probability =
-            squares > 0.0 ? std::min(1.0, 2.0 * std::exp(-0.5 * sum * sum / squares)) : 1.0;
+            square > 0.0 ? std::min(1.0, 2.0 * std::exp(-0.5 * square / sums.squares)) : 1.0;
         if (probability > options_.level) return;
-        const auto at = [](std::int32_t low, std::int32_t high, std::size_t offset) {
-            return static_cast<std::int32_t>(
-                std::min<std::int64_t>(high, low + static_cast<std::int64_t>(offset)));
-        };
+        const auto side = static_cast<std::int32_t>(regions.side);
         const PixelBox& box = focus.box;
-        const PixelBox region{at(box.x0, box.x1, x0 * square), at(box.y0, box.y1, y0 * square),
-                              at(box.x0, box.x1, (x0 + kSquare) * square),
-                              at(box.y0, box.y1, (y0 + kSquare) * square)};
-        candidates_.push_back({channel.name, region, sum / pixels, sum / reference, probability});
+        PixelBox region;
+        region.x0 = box.x0 + static_cast<std::int32_t>(index % regions.columns) * side;
+        region.y0 = box.y0 + static_cast<std::int32_t>(index / regions.columns) * side;
+        region.x1 = std::min(box.x1, region.x0 + side);
+        region.y1 = std::min(box.y1, region.y0 + side);
+        candidates_.push_back({channel.name, region, sums.difference / sums.pixels,
+                               sums.difference / sums.reference, probability});
     }
 
     const PreparedPair& pair_;

@@ -21,10 +21,11 @@ struct NoiseOptions {
 ///    together: Benjamini & Hochberg 1995. With a second seed, outliers count only where they are more than
 ///    the second render has itself against the other two, by a sign test: what any seed may do is no fault.
 /// 2. Region by region, of every channel of numbers: d = a - b is symmetric round 0 if noise alone makes the
-///    difference, however heavy its tails, as long as both took as many samples. So the sums D of 64 squares
-///    that make up a region have T = sum D / sqrt(sum D^2) with P(|T| >= t) <= 2 exp(-t^2 / 2) (Efron 1969,
-///    after Hoeffding 1963). Regions of 64, 128, ... pixels a side, up to the whole picture; all together:
-///    Bonferroni.
+///    difference, however heavy its tails, as long as both took as many samples. So the sums D over squares
+///    of 8x8 pixels have T = sum D / sqrt(sum D^2) with P(|T| >= t) <= 2 exp(-t^2 / 2) (Efron 1969, after
+///    Hoeffding 1963), if the noise of one square does not depend on that of another: pictures that were
+///    blurred or denoised are not for this test. Regions of 64, 128, ... pixels a side, up to the whole
+///    picture; all together: Bonferroni.
 ///
 /// Differences below 2^-16 of the values are rounding and count as none.
 /// Throws Error{InvalidContent} if the second render does not fit.
