@@ -121,6 +121,8 @@ Picture decodeJpeg(std::span<const std::byte> bytes, const std::string& name, co
     PicturePart part;
     part.dataWindow =
         part.displayWindow = {0, 0, static_cast<std::int32_t>(width), static_cast<std::int32_t>(height)};
+    if (reader.info().saw_JFIF_marker && reader.info().X_density > 0 && reader.info().Y_density > 0)
+        part.pixelAspect = float(reader.info().Y_density) / float(reader.info().X_density);
     part.image.width = width;
     part.image.height = height;
     const std::size_t channels = reader.channels();

@@ -149,7 +149,7 @@ Picture decodePng(std::span<const std::byte> bytes, const std::string& name, con
     PicturePart part;
     part.dataWindow = part.displayWindow = {0, 0, static_cast<std::int32_t>(info.width),
                                             static_cast<std::int32_t>(info.height)};
-    if (info.pixelAspect > 0.0f) part.pixelAspect = 1.0f / info.pixelAspect; // its is height over width
+    if (info.pixelAspect > 0.0f) part.pixelAspect = info.pixelAspect; // 0: not given
     if (info.hasChromaticities) {
         std::array<float, 8> rgbw{};
         for (std::size_t i = 0; i < 8; ++i) rgbw[i] = static_cast<float>(info.chromaticities[(i + 2) % 8]);
