@@ -294,6 +294,7 @@ TEST(PoolErrors, HandComputedFiguresWeighErrorsByTheirSize) {
     EXPECT_EQ(pooled.firstWeightedQuartile, 0.2f);
     EXPECT_EQ(pooled.weightedMedian, 0.3f);
     EXPECT_EQ(pooled.thirdWeightedQuartile, 0.4f);
+    EXPECT_THAT(pooled.percentiles, testing::ElementsAre(0.2f, 0.4f, 0.4f));
     const std::vector<float> zeros(7, 0.0f);
     EXPECT_EQ(poolErrors(zeros).weightedMedian, 0.0);
 }

@@ -91,6 +91,7 @@ struct FlipFigures {
     double pixelsPerDegree = 0.0;
     double mean = kNotComputed, min = kNotComputed, max = kNotComputed;
     double weightedMedian = kNotComputed, firstQuartile = kNotComputed, thirdQuartile = kNotComputed;
+    std::vector<Percentile> percentiles; ///< of the errors by their number, ascending
     double startExposure = kNotComputed, stopExposure = kNotComputed; ///< HDR only, in stops
     int exposures = 0;                                                ///< HDR only
     std::string note; ///< why automatic exposures were replaced; empty where they were not

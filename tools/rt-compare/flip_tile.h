@@ -19,7 +19,7 @@ struct FlipTask {
 };
 
 /// A tile's columns, and of its rows the filtered ones that are still needed, stay in the nearer caches.
-inline constexpr int kFlipTileWidth = 128, kFlipTileHeight = 128;
+inline constexpr int kFlipTileWidth = 128, kFlipTileHeight = 256;
 
 /// What one thread needs for a tile, kept from tile to tile.
 class FlipTile {

@@ -70,17 +70,18 @@ inline Floats log2Of(const Floats& a) {
     const Ints exponent = shifted >> 23;
     const Floats mantissa = floatsOf((shifted & 0x007fffff) + kSqrtHalf);
     const Floats s = (mantissa - 1.0f) / (mantissa + 1.0f), t = s * s;
-    const Floats series = 1.0f + t * (1.0f / 3 + t * (1.0f / 5 + t * (1.0f / 7 + t * (1.0f / 9))));
+    const Floats series =
+        (1.0f + t * (1.0f / 3)) + t * t * ((1.0f / 5 + t * (1.0f / 7)) + t * t * (1.0f / 9));
     return __builtin_convertvector(exponent, Floats) + 2.8853901f * s * series; // 2 / ln 2
 }
 
 /// For numbers from -126 to 126, within 3e-7 of the value.
 inline Floats exp2Of(const Floats& a) {
-    const Ints whole = __builtin_convertvector(a + (a < 0.0f ? allFloats(-0.5f) : allFloats(0.5f)), Ints);
-    const Floats x = (a - __builtin_convertvector(whole, Floats)) * 0.69314718f;
-    const Floats series =
-        1.0f +
-        x * (1.0f + x * (1.0f / 2 + x * (1.0f / 6 + x * (1.0f / 24 + x * (1.0f / 120 + x * (1.0f / 720))))));
+    const Floats shifted = a + 0x1.8p23f; // has the whole number in its lowest bits
+    const Ints whole = bitsOf(shifted) - 0x4b400000;
+    const Floats x = (a - (shifted - 0x1.8p23f)) * 0.69314718f, t = x * x;
+    const Floats low = (1.0f + x) + t * (1.0f / 2 + x * (1.0f / 6));
+    const Floats series = low + t * t * ((1.0f / 24 + x * (1.0f / 120)) + t * (1.0f / 720));
     return floatsOf(bitsOf(series) + (whole << 23));
 }
 

@@ -51,10 +51,15 @@ Json describeRange(const ValueRange& range) {
     return {{"min", range.min}, {"max", range.max}, {"mean", range.mean}};
 }
 
+Json describePercentiles(const std::vector<Percentile>& percentiles, const char* valueName) {
+    Json result = Json::array();
+    for (const Percentile& p : percentiles)
+        result.push_back({{"percent", p.percent}, {valueName, p.absError}});
+    return result;
+}
+
 Json describeFigures(const ErrorFigures& figures) {
-    Json percentiles = Json::array(), over = Json::array();
-    for (const Percentile& p : figures.percentiles)
-        percentiles.push_back({{"percent", p.percent}, {"absError", p.absError}});
+    Json over = Json::array();
     for (const OverThreshold& o : figures.over)
         over.push_back({{"threshold", o.threshold}, {"pixels", o.pixels}, {"fraction", o.fraction}});
     return {{"values", figures.values},
@@ -69,7 +74,7 @@ Json describeFigures(const ErrorFigures& figures) {
             {"psnr", figures.psnr},
             {"a", describeRange(figures.a)},
             {"b", describeRange(figures.b)},
-            {"percentiles", percentiles},
+            {"percentiles", describePercentiles(figures.percentiles, "absError")},
             {"over", over},
             {"histogram",
              {{"lowestExponent", ErrorHistogram::kLowestExponent}, {"counts", figures.histogram.counts}}}};
@@ -84,6 +89,7 @@ Json describeFlip(const FlipFigures& flip) {
             {"firstWeightedQuartile", flip.firstQuartile},
             {"weightedMedian", flip.weightedMedian},
             {"thirdWeightedQuartile", flip.thirdQuartile},
+            {"percentiles", describePercentiles(flip.percentiles, "error")},
             {"startExposure", flip.startExposure},
             {"stopExposure", flip.stopExposure},
             {"exposures", flip.exposures},

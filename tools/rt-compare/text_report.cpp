@@ -81,19 +81,26 @@ std::string describeNumbers(const LayerComparison& layer) {
     return text;
 }
 
+std::string describeFlip(const FlipFigures& flip) {
+    std::string text = fmt::format("  FLIP ({}): mean {:.6f}, weighted median {:.6f}, weighted quartiles "
+                                   "{:.6f} and {:.6f}, maximum {:.6f}, at "
+                                   "{:.4g} pixels per degree",
+                                   flip.hdr ? "HDR" : "LDR", flip.mean, flip.weightedMedian,
+                                   flip.firstQuartile, flip.thirdQuartile, flip.max, flip.pixelsPerDegree);
+    if (flip.hdr)
+        text += fmt::format(", {} exposures from {:.4g} to {:.4g} stops", flip.exposures, flip.startExposure,
+                            flip.stopExposure);
+    if (!flip.note.empty()) text += fmt::format(" ({})", flip.note);
+    text += "\n  FLIP at most";
+    for (const Percentile& p : flip.percentiles)
+        text += fmt::format(" {:.6g} in {:g} %,", p.absError, p.percent);
+    text.back() = '\n';
+    return text;
+}
+
 std::string describeLayer(const LayerComparison& layer) {
     std::string text = layer.kind == LayerKind::Ids ? describeIds(layer) : describeNumbers(layer);
-    if (const auto& flip = layer.flip) {
-        text += fmt::format(
-            "  FLIP ({}): mean {:.6f}, weighted median {:.6f}, weighted quartiles {:.6f} and {:.6f}, "
-            "maximum {:.6f}, at {:.4g} pixels per degree",
-            flip->hdr ? "HDR" : "LDR", flip->mean, flip->weightedMedian, flip->firstQuartile,
-            flip->thirdQuartile, flip->max, flip->pixelsPerDegree);
-        if (flip->hdr)
-            text += fmt::format(", {} exposures from {:.4g} to {:.4g} stops", flip->exposures,
-                                flip->startExposure, flip->stopExposure);
-        text += flip->note.empty() ? "\n" : fmt::format(" ({})\n", flip->note);
-    }
+    if (layer.flip) text += describeFlip(*layer.flip);
     return text + describeWorst(layer);
 }
 
