@@ -347,8 +347,8 @@ function drawTexts() {
   const alignment = report.alignment;
   if (alignment && (alignment.dx || alignment.dy))
     byId("notes").append(element("li", `B shifted by x ${alignment.dx}, y ${alignment.dy} pixels fits better: RMSE ${number(alignment.rmse)} instead of ${number(alignment.rmseInPlace)}`));
-  byId("scale-note").textContent = (data.step > 1 ? `The pictures here are ${data.step} times smaller each way: colours are means of ${data.step} × ${data.step} pixels, maps show the largest error of them. All figures are of the whole pictures. ` : "") +
-    "Colours here are half floats; magenta is what is not finite.";
+  byId("scale-note").textContent = (data.step > 1 ? `The pictures here are ${data.step} times smaller each way: colors are means of ${data.step} × ${data.step} pixels, maps show the largest error of them. All figures are of the whole pictures. ` : "") +
+    "Colors here are half floats; magenta is what is not finite.";
 }
 
 // ---- input
