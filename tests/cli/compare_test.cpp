@@ -83,7 +83,8 @@ TEST_F(CompareCli, ABlackFrameFailsWithinAnyLimit) {
     const CommandResult result = compare({"black.exr", "zero.exr", "--max-rmse", "1e30"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_THAT(result.out, HasSubstr("fails: black: color: the first image is black everywhere"));
-    EXPECT_EQ(compare({"black.exr", "zero.exr", "--max-rmse", "1e30", "--allow", "black,camera"}).exitCode, 0);
+    EXPECT_EQ(compare({"black.exr", "zero.exr", "--max-rmse", "1e30", "--allow", "black,camera"}).exitCode,
+              0);
 }
 
 TEST_F(CompareCli, NonFinitePixelsNeverPass) {
