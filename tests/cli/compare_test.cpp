@@ -131,6 +131,7 @@ TEST_F(CompareCli, WrongUsageIsExitCode2) {
     expectError(compare({"zero.exr"}), 2, "");
     expectError(compare({"zero.exr", ""}), 2, "empty");
     expectError(compare({"zero.exr", "zero.exr", "zero.exr"}), 2, "");
+    expectError(compare({"zero.exr", "half.exr", "--json", "half.exr"}), 2, "is an input and an output");
     expectError(compare({"zero.exr", "--list", "pairs"}), 2, "--list");
     expectError(compare({"zero.exr", "zero.exr", "--self-test"}), 2, "--self-test takes one image");
     expectError(compare({"zero.exr", "zero.exr", "--allow", "everything"}), 2,

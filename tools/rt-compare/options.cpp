@@ -227,6 +227,9 @@ void requireInputs(const Options& options) {
         throw Error(ErrorKind::Usage,
                     "two images are wanted: the one under test and the reference; see rt-compare --help");
     }
+    requireDistinctPaths(
+        {options.pathA, options.pathB, options.listPath, options.maskPath, options.secondPath},
+        {options.common.jsonPath});
     if (options.pathA == "-" && options.pathB == "-")
         throw Error(ErrorKind::Usage, "standard input holds one image; name a file for the other");
 }

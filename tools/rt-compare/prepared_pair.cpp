@@ -220,16 +220,19 @@ void ignoreMasked(const Picture& mask, const PixelBox& whole, Focus& focus) {
     }
 }
 
-Focus focusOf(const PixelBox& whole, const FocusOptions& options) {
+Focus focusOf(const PixelBox& a, const PixelBox& b, const FocusOptions& options) {
+    const PixelBox whole = unionOf(a, b);
     Focus focus;
     focus.box = options.crop ? intersection(*options.crop, whole) : whole;
     if (focus.box.pixelCount() == 0) focus.box = {};
+    // Windows that are far from each other may span more than either file holds.
     constexpr std::uint64_t kMaxPixels = std::uint64_t(1) << 28;
-    if (focus.box.pixelCount() > kMaxPixels)
+    const std::uint64_t most = std::max({kMaxPixels, a.pixelCount(), b.pixelCount()});
+    if (focus.box.pixelCount() > most)
         throw Error(
             ErrorKind::LimitExceeded,
             fmt::format("the data windows span {} x {} pixels, more than {}; compare a part with --crop",
-                        focus.box.width(), focus.box.height(), kMaxPixels));
+                        focus.box.width(), focus.box.height(), most));
     if (options.ignored.empty() && !options.mask) return focus;
     focus.ignored.resize(focus.box.pixelCount());
     ignoreRectangles(options.ignored, focus);
@@ -278,7 +281,7 @@ PreparedPair preparePair(Picture&& a, Picture&& b, const FocusOptions& options,
     std::uint64_t pixels = 0;
     for (std::size_t i = 0; i < parts; ++i) {
         PicturePart &partA = pair.a.parts[i], &partB = pair.b.parts[i];
-        pair.focus.push_back(focusOf(unionOf(partA.dataWindow, partB.dataWindow), options));
+        pair.focus.push_back(focusOf(partA.dataWindow, partB.dataWindow, options));
         for (PicturePart* part : {&partA, &partB}) {
             moveTo(*part, pair.focus.back().box);
             clearIgnored(*part, pair.focus.back());
