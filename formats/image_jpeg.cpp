@@ -117,6 +117,11 @@ Picture decodeJpeg(std::span<const std::byte> bytes, const std::string& name, co
     if (std::uint64_t(width) * height > limits.maxPixels)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: {} x {} pixels exceed {}", name, width, height, limits.maxPixels));
+    constexpr std::uint64_t kPixelsPerByte = 1024; // at most: a block of 8x8 takes a bit for its mean alone
+    if (std::uint64_t(width) * height / kPixelsPerByte > bytes.size())
+        throw Error(ErrorKind::InvalidContent,
+                    fmt::format("{}: is damaged or truncated: {} bytes cannot hold {} x {} pixels", name,
+                                bytes.size(), width, height));
     const std::vector<unsigned char> pixels = reader.pixels();
     PicturePart part;
     part.dataWindow =

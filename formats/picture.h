@@ -16,10 +16,15 @@ struct PixelBox {
     std::int32_t x0 = 0, y0 = 0;
     std::int32_t x1 = 0, y1 = 0; ///< beyond the last pixel
 
-    std::uint32_t width() const { return x1 > x0 ? static_cast<std::uint32_t>(x1 - x0) : 0u; }
-    std::uint32_t height() const { return y1 > y0 ? static_cast<std::uint32_t>(y1 - y0) : 0u; }
+    std::uint32_t width() const { return extent(x0, x1); }
+    std::uint32_t height() const { return extent(y0, y1); }
     std::uint64_t pixelCount() const { return std::uint64_t(width()) * height(); }
     bool operator==(const PixelBox&) const = default;
+
+private:
+    static std::uint32_t extent(std::int32_t from, std::int32_t to) { // which may be more than an int holds
+        return to > from ? static_cast<std::uint32_t>(to) - static_cast<std::uint32_t>(from) : 0u;
+    }
 };
 
 /// One picture of a file. Only EXR files may hold several.

@@ -83,7 +83,8 @@ TEST_F(CompareCli, ABlackFrameFailsWithinAnyLimit) {
     const CommandResult result = compare({"black.exr", "zero.exr", "--max-rmse", "1e30"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_THAT(result.out, HasSubstr("fails: black: color: the first image is black everywhere"));
-    EXPECT_EQ(compare({"black.exr", "zero.exr", "--max-rmse", "1e30", "--allow", "black,camera"}).exitCode, 0);
+    EXPECT_EQ(compare({"black.exr", "zero.exr", "--max-rmse", "1e30", "--allow", "black,camera"}).exitCode,
+              0);
 }
 
 TEST_F(CompareCli, NonFinitePixelsNeverPass) {
@@ -133,6 +134,7 @@ TEST_F(CompareCli, WrongUsageIsExitCode2) {
     expectError(compare({"zero.exr"}), 2, "");
     expectError(compare({"zero.exr", ""}), 2, "empty");
     expectError(compare({"zero.exr", "zero.exr", "zero.exr"}), 2, "");
+    expectError(compare({"zero.exr", "half.exr", "--json", "half.exr"}), 2, "is an input and an output");
     expectError(compare({"zero.exr", "--list", "pairs"}), 2, "--list");
     expectError(compare({"zero.exr", "zero.exr", "--self-test"}), 2, "--self-test takes one image");
     expectError(compare({"zero.exr", "zero.exr", "--allow", "everything"}), 2,

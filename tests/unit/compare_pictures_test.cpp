@@ -322,6 +322,9 @@ TEST(ComparePictures, DataWindowsThatDifferFailAndCountAsZeroOutsideIfAllowed) {
     EXPECT_EQ(c.color()->figures.values, 4u);
     whole.parts[0].image.channels[0].values[3] = 9.0f; // outside of the part
     EXPECT_EQ(compare(whole, part, allowing("data-window")).color()->figures.maxAbs, 9.0);
+    Picture far = part;
+    far.parts[0].dataWindow = {1 << 20, 1 << 20, (1 << 20) + 2, (1 << 20) + 1};
+    EXPECT_THROW(compare(whole, far, allowing("data-window")), Error);
     CompareOptions crop = allowing("data-window");
     crop.focus.crop = PixelBox{0, 0, 2, 1};
     EXPECT_THAT(failuresOf(whole, part, crop), IsEmpty());

@@ -184,41 +184,55 @@ void ignoreRectangles(const std::vector<PixelBox>& rectangles, Focus& focus) {
     }
 }
 
+// A mask's channels that count: numbers without opacity, or uint where there are no others.
+std::vector<const ImageChannel*> maskChannels(const Image& mask) {
+    std::vector<const ImageChannel*> numbers, ids;
+    for (const ImageChannel& channel : mask.channels)
+        if (channel.type == ImageChannel::Type::Uint)
+            ids.push_back(&channel);
+        else if (channel.name != "A" || mask.channels.size() == 1)
+            numbers.push_back(&channel);
+    return numbers.empty() ? ids : numbers;
+}
+
 // `whole` is the pictures' box before the crop, which the mask must have too.
 void ignoreMasked(const Picture& mask, const PixelBox& whole, Focus& focus) {
-    const PicturePart& part = mask.parts.front();
-    if (part.image.width != whole.width() || part.image.height != whole.height())
+    const Image& image = mask.parts.front().image;
+    if (image.width != whole.width() || image.height != whole.height())
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: a mask of {} x {} pixels does not fit images of {} x {}", mask.name,
-                                part.image.width, part.image.height, whole.width(), whole.height()));
-    const std::size_t width = whole.width();
+                                image.width, image.height, whole.width(), whole.height()));
+    const std::vector<const ImageChannel*> channels = maskChannels(image);
     for (std::size_t i = 0; i < focus.ignored.size(); ++i) {
         const std::size_t x = i % focus.box.width() + std::size_t(focus.box.x0 - whole.x0);
         const std::size_t y = i / focus.box.width() + std::size_t(focus.box.y0 - whole.y0);
+        const std::size_t at = y * image.width + x;
         bool isShown = false;
-        for (const ImageChannel& channel : part.image.channels) {
-            if (channel.name == "A" && part.image.channels.size() > 1) continue;
-            const float value = channel.values.empty() ? static_cast<float>(channel.uints[y * width + x])
-                                                       : channel.values[y * width + x];
+        for (const ImageChannel* channel : channels) {
+            const double value =
+                channel->values.empty() ? double(channel->uints[at]) : double(channel->values[at]);
             if (!std::isfinite(value))
                 throw Error(ErrorKind::InvalidContent,
                             fmt::format("{}: the mask is not finite at x {}, y {}", mask.name, x, y));
-            isShown = isShown || value != 0.0f;
+            isShown = isShown || value != 0.0;
         }
         if (!isShown) focus.ignored[i] = 1;
     }
 }
 
-Focus focusOf(const PixelBox& whole, const FocusOptions& options) {
+Focus focusOf(const PixelBox& a, const PixelBox& b, const FocusOptions& options) {
+    const PixelBox whole = unionOf(a, b);
     Focus focus;
     focus.box = options.crop ? intersection(*options.crop, whole) : whole;
     if (focus.box.pixelCount() == 0) focus.box = {};
+    // Windows that are far from each other may span more than either file holds.
     constexpr std::uint64_t kMaxPixels = std::uint64_t(1) << 28;
-    if (focus.box.pixelCount() > kMaxPixels)
+    const std::uint64_t most = std::max({kMaxPixels, a.pixelCount(), b.pixelCount()});
+    if (focus.box.pixelCount() > most)
         throw Error(
             ErrorKind::LimitExceeded,
             fmt::format("the data windows span {} x {} pixels, more than {}; compare a part with --crop",
-                        focus.box.width(), focus.box.height(), kMaxPixels));
+                        focus.box.width(), focus.box.height(), most));
     if (options.ignored.empty() && !options.mask) return focus;
     focus.ignored.resize(focus.box.pixelCount());
     ignoreRectangles(options.ignored, focus);
@@ -267,7 +281,7 @@ PreparedPair preparePair(Picture&& a, Picture&& b, const FocusOptions& options,
     std::uint64_t pixels = 0;
     for (std::size_t i = 0; i < parts; ++i) {
         PicturePart &partA = pair.a.parts[i], &partB = pair.b.parts[i];
-        pair.focus.push_back(focusOf(unionOf(partA.dataWindow, partB.dataWindow), options));
+        pair.focus.push_back(focusOf(partA.dataWindow, partB.dataWindow, options));
         for (PicturePart* part : {&partA, &partB}) {
             moveTo(*part, pair.focus.back().box);
             clearIgnored(*part, pair.focus.back());
