@@ -151,6 +151,20 @@ TEST_F(CompareReports, SeveralPairsAreOneFile) {
     EXPECT_THAT(readText(folder_.file("r.xml")), HasSubstr("tests=\"2\" failures=\"1\""));
 }
 
+TEST_F(CompareReports, PicturesWithoutCommonPixelsHaveNoErrorMapButAVerdict) {
+    Image image;
+    image.width = image.height = 1;
+    for (const char* name : {"B", "G", "R"})
+        image.channels.push_back({name, ImageChannel::Type::Float, {0.5f}, {}});
+    writeImage(folder_.file("dot.exr"), image);
+    const CommandResult result =
+        compare({"dot.exr", "reference.exr", "-o", "map.png", "--html", "page.html"});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.err, HasSubstr("map.png: not written, the images have no pixels in common"));
+    EXPECT_FALSE(std::filesystem::exists(folder_.file("map.png")));
+    EXPECT_THAT(readText(folder_.file("page.html")), HasSubstr("\"layers\":[]"));
+}
+
 std::string findChromium() {
     for (const char* path : {"/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"})
         if (std::filesystem::exists(path)) return path;
@@ -183,6 +197,19 @@ TEST_F(CompareReports, ThePageShowsFiguresAndPixelsInABrowser) {
         dom,
         HasSubstr("color at x 20, y 11\na 1.1875 0.875 0.5625   b 0.9375 0.625 0.3125   a−b 0.25 0.25 0.25"));
     EXPECT_THAT(domOf(folder_, "#x=22&y=12"), HasSubstr("a 1.28125 NaN 0.59375"));
+}
+
+TEST_F(CompareReports, ThePageOfPicturesThatCannotBeComparedShowsWhy) {
+    if (findChromium().empty()) GTEST_SKIP() << "no chromium: the page is not tried in a browser";
+    Image image;
+    image.width = image.height = 1;
+    image.channels.push_back({"Y", ImageChannel::Type::Float, {0.5f}, {}});
+    writeImage(folder_.file("dot.exr"), image);
+    EXPECT_EQ(compare({"dot.exr", "reference.exr", "--html", "page.html", "-q"}).exitCode, 1);
+    const std::string dom = domOf(folder_, "");
+    EXPECT_THAT(dom, HasSubstr("data-ready=\"true\""));
+    EXPECT_THAT(dom, HasSubstr("<li class=\"fails\">"));
+    EXPECT_THAT(dom, HasSubstr("<section aria-label=\"Pictures\" hidden"));
 }
 
 } // namespace

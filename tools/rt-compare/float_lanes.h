@@ -27,9 +27,6 @@ inline Floats lesser(const Floats& a, const Floats& b) {
 inline Floats greater(const Floats& a, const Floats& b) {
     return a > b ? a : b;
 }
-inline Floats absolute(const Floats& a) {
-    return greater(a, -a);
-}
 inline Floats clampToUnit(const Floats& a) {
     return greater(lesser(a, allFloats(1.0f)), allFloats(0.0f));
 }
@@ -45,7 +42,11 @@ inline Floats floatsOf(const Ints& bits) {
     return values;
 }
 
-/// For 0 and normal numbers, within 3e-7 of the value: Newton's method from the halved exponent.
+inline Floats absolute(const Floats& a) {
+    return floatsOf(bitsOf(a) & 0x7fffffff);
+}
+
+/// For +0 and normal numbers, within 3e-7 of the value: Newton's method from the halved exponent.
 inline Floats squareRoot(const Floats& a) {
     Floats inverse = floatsOf(0x5f3759df - (bitsOf(a) >> 1));
     for (int i = 0; i < 3; ++i) inverse = inverse * (1.5f - 0.5f * a * inverse * inverse);

@@ -3,6 +3,7 @@
 #include "common/binary_io.h"
 #include "common/error.h"
 #include "common/json_file.h"
+#include "common/log.h"
 #include "tools/rt-compare/html_report.h"
 #include "tools/rt-compare/json_report.h"
 #include "tools/rt-compare/junit_report.h"
@@ -17,6 +18,18 @@ namespace {
 bool showsColors() {
     const char* const noColor = std::getenv("NO_COLOR");
     return isatty(STDOUT_FILENO) && !(noColor && *noColor);
+}
+
+void writeMaps(const ReportOptions& reports, const PreparedPair& pair,
+               const std::vector<PerceptionMaps>& maps) {
+    if (pair.layers.empty()) {
+        logWarning(reports.heatPaths.front() + ": not written, the images have no pixels in common");
+        return;
+    }
+    const Image map = heatMap(pair, maps, reports.heat);
+    std::vector<std::vector<std::byte>> files; // all encoded before the first is written
+    for (const std::string& path : reports.heatPaths) files.push_back(encodeImage(path, map));
+    for (std::size_t i = 0; i < files.size(); ++i) writeFile(reports.heatPaths[i], files[i]);
 }
 
 } // namespace
@@ -41,18 +54,9 @@ void ReportFiles::add(const PairResult& result, const PreparedPair* pair) {
         return;
     pairs_->push_back(jsonReport(result, pair));
     if (!pair) return;
-    // Encoded before the first is written: an error leaves none behind.
-    std::vector<std::vector<std::byte>> maps;
-    if (!reports.heatPaths.empty()) {
-        if (pair->layers.empty())
-            throw Error(ErrorKind::InvalidContent,
-                        result.nameA + ": no error map: the images have no pixels in common");
-        const Image map = heatMap(*pair, result.maps, reports.heat);
-        for (const std::string& path : reports.heatPaths) maps.push_back(encodeImage(path, map));
-    }
     if (!reports.htmlPath.empty())
         writeFile(reports.htmlPath, htmlReport(pairs_->back(), *pair, result.maps));
-    for (std::size_t i = 0; i < maps.size(); ++i) writeFile(reports.heatPaths[i], maps[i]);
+    if (!reports.heatPaths.empty()) writeMaps(reports, *pair, result.maps);
 }
 
 void ReportFiles::finish() {
