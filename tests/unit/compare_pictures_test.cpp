@@ -338,8 +338,7 @@ TEST(ComparePictures, OtherMetadataFailsByName) {
     EXPECT_THAT(failuresOf(picture(), other, allowing("pixel-aspect")), IsEmpty());
     other = picture();
     other.parts[0].chromaticities = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
-    EXPECT_THAT(failuresOf(picture(), other, loose()),
-                ElementsAre(HasSubstr("chromaticities: only the second image")));
+    EXPECT_THAT(failuresOf(picture(), other, loose()), IsEmpty()) << "these are meant where none are given";
     Picture wide = other;
     (*wide.parts[0].chromaticities)[0] = 0.708f;
     EXPECT_THAT(failuresOf(wide, other, loose()),

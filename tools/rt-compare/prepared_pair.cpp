@@ -88,17 +88,15 @@ private:
         return allowed_.contains(areWhole ? "size" : "data-window");
     }
 
+    // A file that does not say means Rec. 709, as EXR does by its specification and sRGB does.
     void compareChromaticities() {
-        const auto &a = a_.chromaticities, &b = b_.chromaticities;
-        if (!a && !b) return;
-        if (!a || !b)
-            return add("chromaticities",
-                       fmt::format("only the {} image says what its primaries are", a ? "first" : "second"));
+        constexpr std::array kRec709{0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
         constexpr float kRounding = 1e-5f; // PNG stores five decimals
-        for (std::size_t i = 0; i < a->size(); ++i)
-            if (!(std::abs((*a)[i] - (*b)[i]) <= kRounding))
+        const auto a = a_.chromaticities.value_or(kRec709), b = b_.chromaticities.value_or(kRec709);
+        for (std::size_t i = 0; i < a.size(); ++i)
+            if (!(std::abs(a[i] - b[i]) <= kRounding))
                 return add("chromaticities", fmt::format("chromaticities differ: {:g} against {:g}",
-                                                         fmt::join(*a, " "), fmt::join(*b, " ")));
+                                                         fmt::join(a, " "), fmt::join(b, " ")));
     }
 
     void compareMatrix(const char* name) {
