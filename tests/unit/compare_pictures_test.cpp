@@ -1,4 +1,5 @@
 #include "common/error.h"
+#include "tests/support/split_mix.h"
 #include "tests/support/test_pictures.h"
 #include "tools/rt-compare/compare.h"
 
@@ -484,6 +485,11 @@ TEST(CompareAlignment, FindsTheShiftOfMovedPictures) {
     Picture brighter = shifted(0, 0);
     for (float& value : brighter.parts[0].image.channels[0].values) value *= 1.1f;
     EXPECT_FALSE(compare(shifted(0, 0), brighter).alignment->shifted());
+    Picture noise = shifted(0, 0), otherNoise = noise;
+    RayNumbers numbers(1, 1);
+    for (Picture* p : {&noise, &otherNoise})
+        for (float& value : p->parts[0].image.channels[0].values) value = numbers.unit();
+    EXPECT_FALSE(compare(noise, otherNoise).alignment->shifted());
     CompareOptions options;
     options.maxShift = 0;
     EXPECT_FALSE(compare(shifted(0, 0), shifted(1, 0), options).alignment);

@@ -112,7 +112,7 @@ std::string describeNoise(const NoiseTest& noise) {
 }
 
 std::string describeAlignment(const Alignment& found) {
-    if (!found.shifted()) return "alignment: no shift makes the images more alike\n";
+    if (!found.shifted()) return "alignment: no shift makes the images much more alike\n";
     return fmt::format("alignment: a at x, y is most like b at x{:+}, y{:+}: RMSE {:.6g} instead of {:.6g}\n",
                        found.dx, found.dy, found.rmse, found.rmseInPlace);
 }
