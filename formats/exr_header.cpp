@@ -19,20 +19,32 @@ namespace {
 
 class HeaderWalk {
 public:
-    HeaderWalk(std::span<const std::byte> file, const std::string& name) : file_(file), name_(name) {
-        requireSinglePart();
+    HeaderWalk(std::span<const std::byte> file, const std::string& name, bool severalParts)
+        : file_(file), name_(name) {
+        readVersion(severalParts);
+        do {
+            readPart();
+        } while (result_.multiPart && textSize("header") != 0);
+        at_ += result_.multiPart ? 1 : 0; // the empty header that ends the list
+        result_.bytes.assign(file_.begin(), file_.begin() + static_cast<std::ptrdiff_t>(at_));
+        for (std::size_t position : opaqueTypes_) result_.bytes[position] = std::byte{'~'};
+    }
+    SafeExrHeader take() { return std::move(result_); }
+
+private:
+    void readPart() {
+        constexpr std::size_t kMaxParts = 1024;
+        if (++result_.parts > kMaxParts)
+            throw Error(ErrorKind::LimitExceeded,
+                        fmt::format("{}: has more than {} parts", name_, kMaxParts));
         while (const std::size_t nameSize = textSize("attribute name")) {
             at_ += nameSize + 1;
             readAttribute();
         }
         at_ += 1;
-        patched_.assign(file_.begin(), file_.begin() + static_cast<std::ptrdiff_t>(at_));
-        for (std::size_t position : opaqueTypes_) patched_[position] = std::byte{'~'};
     }
-    const std::vector<std::byte>& patched() const { return patched_; }
 
-private:
-    void requireSinglePart() {
+    void readVersion(bool severalParts) {
         requireExrMagic(file_, name_);
         constexpr std::uint32_t kVersion = 2;
         constexpr std::uint32_t kTiled = 0x200, kLongNames = 0x400, kDeep = 0x800, kMultiPart = 0x1000;
@@ -40,10 +52,11 @@ private:
         if ((version & 0xffu) != kVersion)
             throwInvalid(name_,
                          fmt::format("has OpenEXR version {}; only version 2 is read", version & 0xffu));
-        if (version & kMultiPart)
+        result_.multiPart = (version & kMultiPart) != 0;
+        if (result_.multiPart && !severalParts)
             throwInvalid(name_, "has several parts; extract one with exrmultipart -separate");
         if (version & kDeep) throwInvalid(name_, "holds deep pixels; flatten it first");
-        if (version & ~(0xffu | kTiled | kLongNames))
+        if (version & ~(0xffu | kTiled | kLongNames | kMultiPart))
             throwInvalid(name_, fmt::format("has unknown OpenEXR flags {:#x}", version));
     }
 
@@ -130,7 +143,7 @@ private:
     const std::string& name_;
     std::size_t at_ = 8;
     std::vector<std::size_t> opaqueTypes_;
-    std::vector<std::byte> patched_;
+    SafeExrHeader result_;
 };
 
 } // namespace
@@ -142,8 +155,8 @@ void requireExrMagic(std::span<const std::byte> bytes, const std::string& name) 
     if (magic != kMagic) throwInvalid(name, "is not an OpenEXR file");
 }
 
-std::vector<std::byte> safeExrHeader(std::span<const std::byte> file, const std::string& name) {
-    return HeaderWalk(file, name).patched();
+SafeExrHeader safeExrHeader(std::span<const std::byte> file, const std::string& name, bool severalParts) {
+    return HeaderWalk(file, name, severalParts).take();
 }
 
 } // namespace rt

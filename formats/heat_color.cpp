@@ -1,9 +1,10 @@
 #include "formats/heat_color.h"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/common.hpp>
 
 namespace rt {
 

@@ -5,6 +5,7 @@
 #include "formats/exr_header.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -28,8 +29,6 @@
 namespace rt {
 namespace {
 
-constexpr std::uint64_t kMaxPixels = std::uint64_t(1) << 28;
-constexpr std::uint64_t kMaxSamples = std::uint64_t(1) << 31; // 8 GiB in memory
 constexpr std::uint64_t kMaxTileBytes = std::uint64_t(1) << 28;
 
 [[noreturn]] void throwInvalid(const std::string& name, const std::string& what) {
@@ -61,13 +60,15 @@ private:
     std::size_t at_ = 0;
 };
 
-// Bytes of memory that one byte of file can stand for, and rows per chunk. 0 = this compression is not read.
+// Bytes of memory that one byte of file can stand for, and rows per chunk.
 struct CompressionTraits {
-    std::uint64_t maxRatio;
-    std::uint64_t rowsPerChunk;
+    std::uint64_t maxRatio = 0; // 0: no such compression
+    std::uint64_t rowsPerChunk = 1;
+    bool isSafe = true; // no decoder of Debian's library has known holes
 };
 
 CompressionTraits traitsOf(Imf::Compression compression) {
+    constexpr std::uint64_t kUnknownRatio = 1 << 16; // several stages, each of which shortens runs
     switch (compression) {
     case Imf::NO_COMPRESSION:
         return {1, 1};
@@ -77,8 +78,17 @@ CompressionTraits traitsOf(Imf::Compression compression) {
         return {1032, 1}; // deflate: 258 bytes in two bits
     case Imf::ZIP_COMPRESSION:
         return {1032, 16};
+    case Imf::PXR24_COMPRESSION:
+        return {kUnknownRatio, 16, false};
+    case Imf::PIZ_COMPRESSION:
+    case Imf::B44_COMPRESSION:
+    case Imf::B44A_COMPRESSION:
+    case Imf::DWAA_COMPRESSION:
+        return {kUnknownRatio, 32, false};
+    case Imf::DWAB_COMPRESSION:
+        return {kUnknownRatio, 256, false};
     default:
-        return {0, 0};
+        return {};
     }
 }
 
@@ -89,12 +99,19 @@ std::string compressionName(Imf::Compression compression) {
     return index < kNames.size() ? kNames[index] : fmt::format("number {}", index);
 }
 
+struct ReadRules {
+    PictureLimits limits;
+    bool isPlain = false; // one part, whose channels all have the full size
+};
+
 struct Layout {
     Imath::Box2i window;
     std::uint64_t width, height;
+    std::uint64_t values; // pixels times channels
+    bool isTiled;
 };
 
-Layout checkWindow(const Imf::Header& header, const std::string& name) {
+Layout checkWindow(const Imf::Header& header, const PictureLimits& limits, const std::string& name) {
     const Imath::Box2i window = header.dataWindow();
     constexpr int kMaxCoordinate = 1 << 30;
     for (int value : {window.min.x, window.min.y, window.max.x, window.max.y})
@@ -104,28 +121,46 @@ Layout checkWindow(const Imf::Header& header, const std::string& name) {
         throwInvalid(name, "data window is empty");
     const auto width = static_cast<std::uint64_t>(window.max.x - window.min.x) + 1;
     const auto height = static_cast<std::uint64_t>(window.max.y - window.min.y) + 1;
-    if (width * height > kMaxPixels)
+    if (width * height > limits.maxPixels)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, kMaxPixels));
-    return {window, width, height};
+                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, limits.maxPixels));
+    return {window, width, height, 0, false};
 }
 
 struct ChannelTotals {
     std::uint64_t count = 0;
-    std::uint64_t bytesPerPixel = 0;
+    std::uint64_t bytesPerPixel = 0; // of all channels at their full size
+    std::uint64_t bytes = 0;
 };
 
-ChannelTotals checkChannels(const Imf::Header& header, const std::string& name) {
+// Channels of less than the full size must fill whole blocks of pixels, as the library wants it.
+void checkSampling(const char* channelName, const Imf::Channel& channel, const Layout& layout, bool isPlain,
+                   const std::string& name) {
+    if (channel.xSampling == 1 && channel.ySampling == 1) return;
+    const std::string found =
+        fmt::format("channel {} is subsampled {} x {}", channelName, channel.xSampling, channel.ySampling);
+    if (isPlain) throwInvalid(name, found + "; convert the picture to R G B");
+    const Imath::V2i corner = layout.window.min;
+    if (layout.isTiled || channel.xSampling < 1 || channel.ySampling < 1 ||
+        corner.x % channel.xSampling != 0 || corner.y % channel.ySampling != 0 ||
+        layout.width % std::uint64_t(channel.xSampling) != 0 ||
+        layout.height % std::uint64_t(channel.ySampling) != 0)
+        throwInvalid(name, "header is damaged: " + found + ", which does not fit its data window");
+}
+
+ChannelTotals checkChannels(const Imf::Header& header, const Layout& layout, bool isPlain,
+                            const std::string& name) {
     ChannelTotals totals;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
         const Imf::Channel& channel = c.channel();
         if (channel.type != Imf::HALF && channel.type != Imf::FLOAT && channel.type != Imf::UINT)
             throwInvalid(name, fmt::format("channel {} has an unknown type", c.name()));
-        if (channel.xSampling != 1 || channel.ySampling != 1)
-            throwInvalid(name, fmt::format("channel {} is subsampled {} x {}; convert the picture to R G B",
-                                           c.name(), channel.xSampling, channel.ySampling));
+        checkSampling(c.name(), channel, layout, isPlain, name);
+        const std::uint64_t bytes = channel.type == Imf::HALF ? 2 : 4;
         totals.count += 1;
-        totals.bytesPerPixel += channel.type == Imf::HALF ? 2 : 4;
+        totals.bytesPerPixel += bytes;
+        totals.bytes += bytes * (layout.width / std::uint64_t(channel.xSampling)) *
+                        (layout.height / std::uint64_t(channel.ySampling));
     }
     if (totals.count == 0) throwInvalid(name, "has no channels");
     return totals;
@@ -147,29 +182,39 @@ std::uint64_t checkTiles(const Imf::Header& header, const Layout& layout, std::u
 
 // Refuses what is not supported, and sizes that a file of `fileBytes` cannot hold, before anything is
 // allocated.
-Layout checkHeader(const Imf::Header& header, bool tiled, std::uint64_t fileBytes, const std::string& name) {
+Layout checkHeader(const Imf::Header& header, bool isTiled, const ReadRules& rules, std::uint64_t fileBytes,
+                   const std::string& name) {
     for (const char* required : {"channels", "compression", "dataWindow", "lineOrder"})
         if (header.find(required) == header.end())
             throwInvalid(name, fmt::format("header lacks '{}'", required));
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         throwInvalid(name, fmt::format("is of type '{}'; only flat pictures are read", header.type()));
     const CompressionTraits traits = traitsOf(header.compression());
-    if (traits.maxRatio == 0)
-        throwInvalid(name, fmt::format("compression {} is not read; save it with NONE, RLE, ZIPS or ZIP",
-                                       compressionName(header.compression())));
-    const Layout layout = checkWindow(header, name);
-    const auto [channelCount, bytesPerPixel] = checkChannels(header, name);
+    if (traits.maxRatio == 0 || (!traits.isSafe && !rules.limits.allCompressions))
+        throwInvalid(name, fmt::format("compression {} is not read; save it with NONE, RLE, ZIPS or ZIP{}",
+                                       compressionName(header.compression()),
+                                       rules.isPlain || traits.maxRatio == 0
+                                           ? ""
+                                           : ", or trust it with --allow-compression all"));
+    Layout layout = checkWindow(header, rules.limits, name);
+    layout.isTiled = isTiled;
+    const ChannelTotals totals = checkChannels(header, layout, rules.isPlain, name);
     const std::uint64_t pixels = layout.width * layout.height;
-    if (pixels > kMaxSamples / channelCount)
+    layout.values = pixels * totals.count; // at most 2^28 bytes of header, 2^60 pixels
+    if (pixels > rules.limits.maxValues / totals.count)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: {} x {} pixels of {} channels exceed {} values", name, layout.width,
-                                layout.height, channelCount, kMaxSamples));
-    const std::uint64_t chunks = tiled ? checkTiles(header, layout, bytesPerPixel, name)
-                                       : (layout.height + traits.rowsPerChunk - 1) / traits.rowsPerChunk;
-    if (chunks > fileBytes / 8 || pixels * bytesPerPixel > fileBytes * traits.maxRatio)
+                                layout.height, totals.count, rules.limits.maxValues));
+    const std::uint64_t chunks = isTiled ? checkTiles(header, layout, totals.bytesPerPixel, name)
+                                         : (layout.height + traits.rowsPerChunk - 1) / traits.rowsPerChunk;
+    if (header.hasChunkCount() && (header.chunkCount() < 0 || std::uint64_t(header.chunkCount()) < chunks ||
+                                   std::uint64_t(header.chunkCount()) > fileBytes / 8))
+        throwInvalid(name, fmt::format("header is damaged: {} chunks do not hold its {} x {} pixels",
+                                       header.chunkCount(), layout.width, layout.height));
+    if (chunks > fileBytes / 8 || totals.bytes / traits.maxRatio > fileBytes)
         throwInvalid(name,
                      fmt::format("is damaged or truncated: {} bytes cannot hold {} x {} pixels of {} bytes",
-                                 fileBytes, layout.width, layout.height, bytesPerPixel));
+                                 fileBytes, layout.width, layout.height, totals.bytesPerPixel));
     return layout;
 }
 
@@ -182,7 +227,9 @@ ImageChannel::Type typeFrom(Imf::PixelType type) {
 void readAttributes(const Imf::Header& header, Image& image) {
     for (auto a = header.begin(); a != header.end(); ++a) {
         const std::string key = a.name();
-        if (key == "type" || key == "pixelAspectRatio" || key == "screenWindowWidth") continue; // structural
+        if (key == "type" || key == "name" || key == "chunkCount" || key == "pixelAspectRatio" ||
+            key == "screenWindowWidth")
+            continue; // structural
         if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute()))
             image.texts[key] = text->value();
         if (const auto* value = dynamic_cast<const Imf::FloatAttribute*>(&a.attribute()))
@@ -194,78 +241,128 @@ void readAttributes(const Imf::Header& header, Image& image) {
     }
 }
 
+// One value for each block of pixels becomes one for each pixel.
+template <class T>
+void repeatInBlocks(std::vector<T>& values, const Layout& layout, const Imf::Channel& channel) {
+    const std::uint64_t blockWidth = std::uint64_t(channel.xSampling),
+                        blockHeight = std::uint64_t(channel.ySampling);
+    const std::vector<T> blocks = std::move(values);
+    values.resize(layout.width * layout.height);
+    for (std::uint64_t y = 0, i = 0; y < layout.height; ++y)
+        for (std::uint64_t x = 0; x < layout.width; ++x, ++i)
+            values[i] = blocks[y / blockHeight * (layout.width / blockWidth) + x / blockWidth];
+}
+
 // Allocates the channels of the header and points a frame buffer at them.
 Imf::FrameBuffer allocateChannels(const Imf::Header& header, const Layout& layout, Image& image) {
     Imf::FrameBuffer frame;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+        const Imf::Channel& source = c.channel();
         ImageChannel& channel = image.channels.emplace_back();
         channel.name = c.name();
-        channel.type = typeFrom(c.channel().type);
+        channel.type = typeFrom(source.type);
         const bool isUint = channel.type == ImageChannel::Type::Uint;
+        const std::size_t blocks = (layout.width / std::uint64_t(source.xSampling)) *
+                                   (layout.height / std::uint64_t(source.ySampling));
         if (isUint)
-            channel.uints.resize(image.pixelCount());
+            channel.uints.resize(blocks);
         else
-            channel.values.resize(image.pixelCount());
+            channel.values.resize(blocks);
         const void* data = isUint ? static_cast<const void*>(channel.uints.data()) : channel.values.data();
-        frame.insert(channel.name, Imf::Slice::Make(isUint ? Imf::UINT : Imf::FLOAT, data, layout.window));
+        frame.insert(channel.name, Imf::Slice::Make(isUint ? Imf::UINT : Imf::FLOAT, data, layout.window, 0,
+                                                    0, source.xSampling, source.ySampling));
     }
     return frame;
 }
 
-void readPixels(Imf::MultiPartInputFile& file, bool tiled, const Layout& layout,
+void readPixels(Imf::MultiPartInputFile& file, int part, const Layout& layout,
                 const Imf::FrameBuffer& frame) {
-    if (tiled) {
-        Imf::TiledInputPart part(file, 0);
-        part.setFrameBuffer(frame);
-        part.readTiles(0, part.numXTiles(0) - 1, 0, part.numYTiles(0) - 1);
+    if (layout.isTiled) {
+        Imf::TiledInputPart input(file, part);
+        input.setFrameBuffer(frame);
+        input.readTiles(0, input.numXTiles(0) - 1, 0, input.numYTiles(0) - 1);
     } else {
-        Imf::InputPart part(file, 0);
-        part.setFrameBuffer(frame);
-        part.readPixels(layout.window.min.y, layout.window.max.y);
+        Imf::InputPart input(file, part);
+        input.setFrameBuffer(frame);
+        input.readPixels(layout.window.min.y, layout.window.max.y);
     }
 }
 
-// Nothing if the data window is the display window, or if the latter says nothing of use.
-std::optional<ImageFrame> frameOf(const Imf::Header& header, const Layout& layout) {
-    if (header.find("displayWindow") == header.end()) return std::nullopt;
+PixelBox boxOf(const Imath::Box2i& window) {
+    return {window.min.x, window.min.y, window.max.x + 1, window.max.y + 1};
+}
+
+// The data window if the header has no display window, or one that says nothing of use.
+PixelBox displayWindowOf(const Imf::Header& header, const Layout& layout) {
+    if (header.find("displayWindow") == header.end()) return boxOf(layout.window);
     const Imath::Box2i whole = header.displayWindow();
     constexpr int kMaxCoordinate = 1 << 30;
     for (int value : {whole.min.x, whole.min.y, whole.max.x, whole.max.y})
-        if (value < -kMaxCoordinate || value > kMaxCoordinate) return std::nullopt;
-    if (whole.max.x < whole.min.x || whole.max.y < whole.min.y || whole == layout.window) return std::nullopt;
-    return ImageFrame{layout.window.min.x - whole.min.x, layout.window.min.y - whole.min.y,
-                      static_cast<std::uint32_t>(whole.max.x - whole.min.x) + 1,
-                      static_cast<std::uint32_t>(whole.max.y - whole.min.y) + 1};
+        if (value < -kMaxCoordinate || value > kMaxCoordinate) return boxOf(layout.window);
+    return whole.max.x < whole.min.x || whole.max.y < whole.min.y ? boxOf(layout.window) : boxOf(whole);
 }
 
-Image decodeChecked(std::span<const std::byte> bytes, const std::string& name) {
-    const std::vector<std::byte> safeHeader = safeExrHeader(bytes, name);
-    InputBytes stream(bytes, safeHeader, name);
-    constexpr std::uint64_t kAfterVersion = 8;
-    stream.seekg(kAfterVersion);
-    int version = std::to_integer<int>(bytes[4]) | std::to_integer<int>(bytes[5]) << 8;
-    const bool tiled = (version & 0x200) != 0;
-    Imf::Header header;
-    header.readFrom(stream, version);
-    const Layout layout = checkHeader(header, tiled, bytes.size(), name);
-
-    stream.seekg(0);
-    Imf::MultiPartInputFile file(stream, 0, false);
-    if (!file.partComplete(0)) throwInvalid(name, "is truncated: some of its pixels are missing");
-    Image image;
+PicturePart readPart(Imf::MultiPartInputFile& file, int index, const Imf::Header& header,
+                     const Layout& layout, const std::string& name) {
+    if (!file.partComplete(index)) throwInvalid(name, "is truncated: some of its pixels are missing");
+    PicturePart part;
+    if (header.hasName()) part.name = header.name();
+    part.dataWindow = boxOf(layout.window);
+    part.displayWindow = displayWindowOf(header, layout);
+    if (header.find("pixelAspectRatio") != header.end()) part.pixelAspect = header.pixelAspectRatio();
+    if (const auto* found = header.findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities")) {
+        const Imf::Chromaticities& c = found->value();
+        part.chromaticities = {c.red.x,  c.red.y,  c.green.x, c.green.y,
+                               c.blue.x, c.blue.y, c.white.x, c.white.y};
+    }
+    Image& image = part.image;
     image.width = static_cast<std::uint32_t>(layout.width);
     image.height = static_cast<std::uint32_t>(layout.height);
-    image.frame = frameOf(header, layout);
     readAttributes(header, image);
-    readPixels(file, tiled, layout, allocateChannels(header, layout, image));
-    return image;
+    readPixels(file, index, layout, allocateChannels(header, layout, image));
+    std::size_t i = 0;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++i) {
+        if (c.channel().xSampling == 1 && c.channel().ySampling == 1) continue;
+        ImageChannel& channel = image.channels[i];
+        if (channel.type == ImageChannel::Type::Uint)
+            repeatInBlocks(channel.uints, layout, c.channel());
+        else
+            repeatInBlocks(channel.values, layout, c.channel());
+    }
+    return part;
 }
 
-} // namespace
+std::vector<PicturePart> decodeChecked(std::span<const std::byte> bytes, const std::string& name,
+                                       const ReadRules& rules) {
+    const SafeExrHeader safe = safeExrHeader(bytes, name, !rules.isPlain);
+    InputBytes stream(bytes, safe.bytes, name);
+    stream.seekg(kExrStartBytes);
+    int version = std::to_integer<int>(bytes[4]) | std::to_integer<int>(bytes[5]) << 8;
+    std::vector<Imf::Header> headers(safe.parts);
+    std::vector<Layout> layouts;
+    std::uint64_t values = 0;
+    for (Imf::Header& header : headers) {
+        header.readFrom(stream, version);
+        const bool isTiled =
+            safe.multiPart ? header.hasType() && header.type() == Imf::TILEDIMAGE : (version & 0x200) != 0;
+        layouts.push_back(checkHeader(header, isTiled, rules, bytes.size(), name));
+        values += layouts.back().values;
+    }
+    if (values > rules.limits.maxValues)
+        throw Error(ErrorKind::LimitExceeded, fmt::format("{}: {} values in {} parts exceed {}", name, values,
+                                                          safe.parts, rules.limits.maxValues));
+    stream.seekg(0);
+    Imf::MultiPartInputFile file(stream, 0, false);
+    std::vector<PicturePart> parts;
+    for (std::size_t i = 0; i < headers.size(); ++i)
+        parts.push_back(readPart(file, static_cast<int>(i), headers[i], layouts[i], name));
+    return parts;
+}
 
-Image decodeExr(std::span<const std::byte> bytes, const std::string& name) {
+std::vector<PicturePart> decodeParts(std::span<const std::byte> bytes, const std::string& name,
+                                     const ReadRules& rules) {
     try {
-        return decodeChecked(bytes, name);
+        return decodeChecked(bytes, name, rules);
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {
@@ -273,6 +370,21 @@ Image decodeExr(std::span<const std::byte> bytes, const std::string& name) {
     } catch (const std::exception& error) { // the library's own, of several types
         throwInvalid(name, fmt::format("is damaged: {}", error.what()));
     }
+}
+
+} // namespace
+
+std::vector<PicturePart> decodeExrParts(std::span<const std::byte> bytes, const std::string& name,
+                                        const PictureLimits& limits) {
+    return decodeParts(bytes, name, {limits, false});
+}
+
+Image decodeExr(std::span<const std::byte> bytes, const std::string& name) {
+    PicturePart part = std::move(decodeParts(bytes, name, {{}, true}).front());
+    const PixelBox data = part.dataWindow, whole = part.displayWindow;
+    if (data != whole)
+        part.image.frame = {data.x0 - whole.x0, data.y0 - whole.y0, whole.width(), whole.height()};
+    return std::move(part.image);
 }
 
 Image readExr(const std::string& path) {

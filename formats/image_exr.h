@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/image.h"
+#include "formats/picture.h"
 
 #include <cstddef>
 #include <span>
@@ -15,6 +16,12 @@ std::vector<std::byte> encodeExr(const Image& image);
 /// Safe for untrusted bytes. Throws Error{InvalidContent} prefixed by `name`, Error{LimitExceeded} above 2^28
 /// pixels.
 Image decodeExr(std::span<const std::byte> bytes, const std::string& name);
+
+/// Decodes all parts of an EXR (scanline or tiled, of which the full size is read). A channel that has one
+/// value for a block of pixels has it for each of them here. Safe for untrusted bytes, unless
+/// limits.allCompressions. Throws Error{InvalidContent} or Error{LimitExceeded} prefixed by `name`.
+std::vector<PicturePart> decodeExrParts(std::span<const std::byte> bytes, const std::string& name,
+                                        const PictureLimits& limits);
 
 /// decodeExr() of a file; "-" is standard input. Throws Error{FileAccess} too.
 Image readExr(const std::string& path);

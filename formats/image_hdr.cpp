@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <stb/stb_image.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <string_view>
@@ -65,7 +66,7 @@ bool hasAllRows(std::span<const std::uint8_t> rest, std::size_t width, std::size
 
 } // namespace
 
-Image decodeHdr(std::span<const std::byte> bytes, const std::string& name) {
+Image decodeHdr(std::span<const std::byte> bytes, const std::string& name, std::uint64_t maxPixels) {
     const auto* const data = reinterpret_cast<const stbi_uc*>(bytes.data());
     const auto size = static_cast<int>(bytes.size());
     if (bytes.size() > std::size_t(std::numeric_limits<int>::max()))
@@ -75,9 +76,10 @@ Image decodeHdr(std::span<const std::byte> bytes, const std::string& name) {
         !stbi_info_from_memory(data, size, &width, &height, &channels) || width <= 0 || height <= 0)
         throw Error(ErrorKind::InvalidContent, name + ": is no Radiance HDR picture");
     const std::uint64_t count = std::uint64_t(unsigned(width)) * unsigned(height);
-    if (count > kMaxPixels)
+    maxPixels = std::min(maxPixels, kMaxPixels);
+    if (count > maxPixels)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, kMaxPixels));
+                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, maxPixels));
     if (count / kPixelsPerByte > bytes.size())
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged or truncated: {} bytes cannot hold {} x {} pixels", name,

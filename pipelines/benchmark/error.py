@@ -128,7 +128,8 @@ class ErrorBenchmark(bench.SceneRunner):
 
     def compare(self, picture, reference, report):
         bench.run(self.tools / "rt-compare", picture, reference, "--json", report, accept=(0, 1))
-        color = bench.load(report)["color"]
+        layers = bench.load(report)["pairs"][0]["layers"]
+        color = next(layer for layer in layers if layer["name"] == "color")
         return {"rmse": color["rmse"], "max_error": color["maxAbs"]}
 
 

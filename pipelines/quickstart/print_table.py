@@ -30,7 +30,8 @@ def column(folder, structure, rmse):
 def main():
     folder = pathlib.Path(sys.argv[1])
     comparison = load(folder, "comparison")
-    errors = ("reference", f"{comparison['color']['rmse']:.3g}")
+    color = next(layer for layer in comparison["pairs"][0]["layers"] if layer["name"] == "color")
+    errors = ("reference", f"{color['rmse']:.3g}")
     columns = [ROWS, *(column(folder, s, e) for s, e in zip(STRUCTURES, errors))]
     heading = ("", *STRUCTURES)
     for cells in zip(*((h, *c) for h, c in zip(heading, columns))):

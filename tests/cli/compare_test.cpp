@@ -1,12 +1,14 @@
 #include "formats/image.h"
 #include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
+#include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -21,9 +23,9 @@ using testing::StartsWith;
 class CompareCli : public testing::Test {
 protected:
     CompareCli() {
-        write("zero.exr", {0.0f, 0.0f});
-        write("half.exr", {0.0f, 0.5f});
-        write("nan.exr", {0.0f, std::numeric_limits<float>::quiet_NaN()});
+        write("zero.exr", {0.25f, 0.0f});
+        write("half.exr", {0.25f, 0.5f});
+        write("nan.exr", {0.25f, std::numeric_limits<float>::quiet_NaN()});
     }
 
     void write(const char* name, const std::vector<float>& values) {
@@ -76,6 +78,15 @@ TEST_F(CompareCli, MaxRmseMovesTheVerdict) {
     EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "0.35"}).exitCode, 1);
 }
 
+TEST_F(CompareCli, ABlackFrameFailsWithinAnyLimit) {
+    write("black.exr", {0.0f, 0.0f});
+    const CommandResult result = compare({"black.exr", "zero.exr", "--max-rmse", "1e30"});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.out, HasSubstr("fails: black: color: the first image is black everywhere"));
+    EXPECT_EQ(compare({"black.exr", "zero.exr", "--max-rmse", "1e30", "--allow", "black,camera"}).exitCode,
+              0);
+}
+
 TEST_F(CompareCli, NonFinitePixelsNeverPass) {
     EXPECT_EQ(compare({"nan.exr", "nan.exr", "--max-rmse", "1e30"}).exitCode, 1);
     EXPECT_EQ(compare({"zero.exr", "nan.exr", "--max-rmse", "1e30"}).exitCode, 1);
@@ -84,13 +95,15 @@ TEST_F(CompareCli, NonFinitePixelsNeverPass) {
 TEST_F(CompareCli, JsonHoldsTheFiguresAndLeavesNoFileOnErrors) {
     EXPECT_EQ(compare({"zero.exr", "half.exr", "--json", "report.json"}).exitCode, 1);
     const auto report = nlohmann::json::parse(readText(folder_.file("report.json")));
-    EXPECT_EQ(report.at("schemaVersion"), 1);
+    EXPECT_EQ(report.at("schemaVersion"), 2);
     EXPECT_EQ(report.at("verdict"), "fail");
-    EXPECT_NEAR(report.at("color").at("rmse").get<double>(), 0.35355339059327379, 1e-15);
-    EXPECT_EQ(report.at("color").at("compared"), 6);
-    EXPECT_EQ(report.at("worst").at("x"), 1);
-    EXPECT_EQ(report.at("uints").at("id").at("differing"), 1);
-    EXPECT_EQ(report.at("a").at("file"), folder_.file("zero.exr"));
+    const auto& pair = report.at("pairs").at(0);
+    const auto& color = pair.at("layers").at(0);
+    EXPECT_NEAR(color.at("rmse").get<double>(), 0.35355339059327379, 1e-15);
+    EXPECT_EQ(color.at("compared"), 6);
+    EXPECT_EQ(color.at("worst").at(0).at("x"), 1);
+    EXPECT_EQ(pair.at("layers").at(1).at("channels").at(0).at("differing"), 1);
+    EXPECT_EQ(pair.at("a").at("file"), folder_.file("zero.exr"));
     EXPECT_EQ(compare({"zero.exr", "absent.exr", "--json", "other.json"}).exitCode, 3);
     EXPECT_THAT(readText(folder_.file("other.json")), IsEmpty());
 }
@@ -99,9 +112,10 @@ TEST_F(CompareCli, JsonOnStandardOutputIsAlone) {
     const CommandResult result = compare({"zero.exr", "nan.exr", "--json", "-"});
     EXPECT_EQ(result.exitCode, 1);
     const auto report = nlohmann::json::parse(result.out);
-    EXPECT_EQ(report.at("b").at("nan"), 3);
-    EXPECT_EQ(report.at("b").at("nonFinitePixels"), 1);
-    EXPECT_EQ(report.at("b").at("firstNonFinite").at("x"), 1);
+    const auto& b = report.at("pairs").at(0).at("b");
+    EXPECT_EQ(b.at("nan"), 3);
+    EXPECT_EQ(b.at("nonFinitePixels"), 1);
+    EXPECT_EQ(b.at("firstNonFinite").at("x"), 1);
 }
 
 TEST_F(CompareCli, StandardInputIsAnImage) {
@@ -120,6 +134,15 @@ TEST_F(CompareCli, WrongUsageIsExitCode2) {
     expectError(compare({"zero.exr"}), 2, "");
     expectError(compare({"zero.exr", ""}), 2, "empty");
     expectError(compare({"zero.exr", "zero.exr", "zero.exr"}), 2, "");
+    expectError(compare({"zero.exr", "half.exr", "--json", "half.exr"}), 2, "is an input and an output");
+    expectError(compare({"zero.exr", "--list", "pairs"}), 2, "--list");
+    expectError(compare({"zero.exr", "zero.exr", "--self-test"}), 2, "--self-test takes one image");
+    expectError(compare({"zero.exr", "zero.exr", "--allow", "everything"}), 2,
+                "'everything' is none of size, ");
+    expectError(compare({"zero.exr", "zero.exr", "--allow-nonfinite", "all"}), 2, "is not 'same'");
+    expectError(compare({"zero.exr", "zero.exr", "--crop", "0,0,0,1"}), 2, "is no rectangle");
+    expectError(compare({"zero.exr", "zero.exr", "--max-percentile", "0.1"}), 2, "--max-percentile");
+    expectError(compare({"zero.exr", "zero.exr", "--max-over", "0.1:2"}), 2, "<= 1");
     expectError(compare({"zero.exr", "zero.exr", "--no-such-option"}), 2, "--no-such-option");
     for (const char* limit : {"nan", "inf", "-1", "x"})
         expectError(compare({"zero.exr", "zero.exr", "--max-rmse", limit}), 2, "--max-rmse");
@@ -130,7 +153,137 @@ TEST_F(CompareCli, FilesThatCannotBeReadAreExitCode3) {
     expectError(compare({"zero.exr", folder_.file(".")}), 3, "is a directory");
 }
 
-TEST_F(CompareCli, FilesThatAreNotExrAreExitCode4) {
+TEST_F(CompareCli, LimitsMayNameLayersAndFigures) {
+    EXPECT_EQ(
+        compare({"zero.exr", "half.exr", "--max-rmse", "color=0.36", "--max-differing", "id=0.5"}).exitCode,
+        0);
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "color=0.36"}).exitCode, 1); // ids differ
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-abs", "0.5", "--max-over", "0.4:0.5"}).exitCode, 0);
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-percentile", "50:0", "--min-psnr", "9"}).exitCode, 0);
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--min-psnr", "9.1"}).exitCode, 1); // 9.03 dB
+    const CommandResult result = compare({"zero.exr", "half.exr", "--max-rmse", "1", "--max-abs", "R=0.1"});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.out, HasSubstr("fails: limit: R: maximum |a-b| 0.5 exceeds 0.1\n"));
+}
+
+TEST_F(CompareCli, MasksRectanglesAndCropsLeaveOutWhatDiffers) {
+    write("mask.exr", {1.0f, 0.0f});
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--mask", "mask.exr"}).exitCode, 0);
+    EXPECT_EQ(compare({"zero.exr", "nan.exr", "--ignore", "1,0,2,1"}).exitCode, 0);
+    EXPECT_EQ(compare({"zero.exr", "nan.exr", "--ignore", "0,0,1,1"}).exitCode, 1);
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--crop", "0,0,1,1"}).exitCode, 0);
+    const CommandResult result = compare({"zero.exr", "half.exr", "--crop", "1,0,2,1"});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.out, HasSubstr("worst: R at x 1, y 0: a 0, b 0.5"));
+    EXPECT_EQ(compare({"nan.exr", "nan.exr", "--allow-nonfinite", "same"}).exitCode, 0);
+}
+
+TEST_F(CompareCli, FoldersAreComparedByRelativeName) {
+    const auto put = [&](const char* from, const std::string& to) {
+        std::filesystem::create_directories(std::filesystem::path(folder_.file(to)).parent_path());
+        std::filesystem::copy_file(folder_.file(from), folder_.file(to));
+    };
+    put("zero.exr", "a/one.exr");
+    put("zero.exr", "b/one.exr");
+    put("zero.exr", "a/deep/two.exr");
+    put("zero.exr", "b/deep/two.exr");
+    std::ofstream(folder_.file("a/notes.txt")) << "no picture";
+    const std::string a = folder_.file("a"), b = folder_.file("b");
+    CommandResult result = compare({a, b});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("2 pairs: 2 pass, 0 differ, 0 without a verdict\n"));
+    put("half.exr", "a/extra.exr");
+    result = compare({a, b});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.out, HasSubstr("a/extra.exr: is only among the first images"));
+    EXPECT_EQ(compare({a, b, "--allow", "files"}).exitCode, 0);
+    put("half.exr", "b/extra.exr");
+    put("half.exr", "b/missing.exr");
+    EXPECT_THAT(compare({a, b}).out, HasSubstr("b/missing.exr: is only among the second images"));
+    put("zero.exr", "a/missing.exr");
+    result = compare({a, b});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.out, HasSubstr("4 pairs: 3 pass, 1 differ, 0 without a verdict\n"));
+    std::ofstream(folder_.file("a/one.exr")) << "broken";
+    result = compare({a, b});
+    EXPECT_EQ(result.exitCode, 4) << "no verdict on one pair is worse than a difference";
+    EXPECT_THAT(result.out, HasSubstr("a/one.exr: is not an OpenEXR file"));
+    EXPECT_THAT(result.out, HasSubstr("4 pairs: 2 pass, 1 differ, 1 without a verdict\n"));
+    std::filesystem::create_directory(folder_.file("empty"));
+    expectError(compare({folder_.file("empty"), folder_.file("empty")}), 4, "hold no pictures");
+}
+
+TEST_F(CompareCli, SequencesArePairedByNumber) {
+    for (const char* name : {"a.0001.exr", "a.0002.exr", "b.0001.exr", "b.0002.exr"})
+        write(name, {0.0f, 0.0f});
+    write("a.12345.exr", {0.0f, 0.0f});
+    write("a.3.exr", {0.0f, 0.0f}); // not of four digits
+    write("b.12345.exr", {0.0f, 1.0f});
+    CommandResult result = compare({"a.%04d.exr", "b.%04d.exr"});
+    EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.out, HasSubstr("3 pairs: 2 pass, 1 differ"));
+    write("b.0003.exr", {0.0f, 0.0f});
+    EXPECT_THAT(compare({"a.%04d.exr", "b.%04d.exr"}).out,
+                HasSubstr("b.0003.exr: is only among the second images"));
+    expectError(compare({"c.%04d.exr", "d.%04d.exr"}), 4, "hold no pictures");
+}
+
+TEST_F(CompareCli, AListNamesThePairs) {
+    const std::string list = "# frames\n" + folder_.file("zero.exr") + "\t" + folder_.file("zero.exr") +
+                             "\n\n" + folder_.file("zero.exr") + "  " + folder_.file("half.exr") + "\r\n";
+    std::ofstream(folder_.file("pairs")) << list;
+    const CommandResult result = compare({"--list", folder_.file("pairs")});
+    EXPECT_EQ(result.exitCode, 1) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("2 pairs: 1 pass, 1 differ"));
+    EXPECT_EQ(compare({"--list", "-"}, list).exitCode, 1);
+    expectError(compare({"--list", "-"}, "one\n"), 4, "standard input: line 1 does not name two files");
+    expectError(compare({"--list", "-"}, ""), 4, "names no files");
+}
+
+TEST_F(CompareCli, SelfTestShowsThatEveryFaultIsCaught) {
+    CommandResult result = compare({"--self-test", "half.exr"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    for (const char* fault :
+         {"one NaN", "all NaN", "one +Inf", "black frame", "shift by one pixel", "gamma 2.2 applied",
+          "error of 1 %", "error of 1 ulp", "channel renamed", "channel of zeros added"})
+        EXPECT_THAT(result.out,
+                    testing::ContainsRegex(
+                        std::string(fault == std::string("one +Inf") ? "one .Inf" : fault) + " +caught +ok"));
+    EXPECT_THAT(result.out, HasSubstr("channels swapped        -            ok        changes nothing"));
+    result = compare({"--self-test", "half.exr", "--max-rmse", "0.004"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_THAT(result.out, testing::ContainsRegex("error of 1 % +below limits +ok"));
+    EXPECT_THAT(result.out, testing::ContainsRegex("gamma 2.2 applied +caught +ok"));
+    expectError(compare({"--self-test", "nan.exr"}), 4, "does not pass against itself");
+}
+
+TEST_F(CompareCli, NoiseIsJudgedAsNoise) {
+    write("noise.exr", {0.25f, 0.001f});
+    EXPECT_EQ(compare({"zero.exr", "noise.exr", "--noise"}).exitCode, 0);
+    EXPECT_EQ(compare({"zero.exr", "noise.exr"}).exitCode, 1);
+    expectError(compare({"zero.exr", "noise.exr", "--second-seed", "absent.exr"}), 3, "absent.exr");
+}
+
+TEST_F(CompareCli, LimitsOfReadingAreExitCode5) {
+    expectError(compare({"zero.exr", "zero.exr", "--max-pixels", "1"}), 5, "2 x 1 pixels exceed 1");
+}
+
+TEST_F(CompareCli, DamagedFilesOfTheCollectionEndInALine) {
+    const std::string folder = scenePath("images/exr_damaged");
+    if (!std::filesystem::is_directory(folder)) GTEST_SKIP() << "no scenes";
+    int files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const CommandResult result =
+            runCommand({RT_BIN_DIR "/rt-compare", entry.path().string(), folder_.file("zero.exr")});
+        EXPECT_TRUE(result.exitCode == 4 || result.exitCode == 5) << entry.path() << result.err;
+        EXPECT_THAT(result.err, HasSubstr(entry.path().filename().string()));
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
+        ++files;
+    }
+    EXPECT_GE(files, 80);
+}
+
+TEST_F(CompareCli, FilesThatAreNotPicturesAreExitCode4) {
     std::ofstream(folder_.file("empty.exr"));
     std::ofstream(folder_.file("text.exr")) << "not a picture at all";
     std::ofstream(folder_.file("cut.exr"), std::ios::binary)

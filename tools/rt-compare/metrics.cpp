@@ -1,6 +1,9 @@
 #include "tools/rt-compare/metrics.h"
 
-#include <fmt/format.h>
+#include "tools/rt-compare/error_counts.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,149 +12,270 @@
 namespace rt {
 namespace {
 
-bool isUint(const ImageChannel& channel) {
-    return channel.type == ImageChannel::Type::Uint;
-}
+constexpr std::size_t kBlock = 4096; // pixels; their errors stay in the cache
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kIgnored = -1.0; // in arrays of errors
 
-const char* kindName(const ImageChannel& channel) {
-    return isUint(channel) ? "uint" : "number";
-}
+using PixelError = std::pair<double, std::size_t>; // |a - b| and index of the pixel
 
-// The channel of that name if both images have it as numbers.
-std::pair<const ImageChannel*, const ImageChannel*> findBoth(const Image& a, const Image& b,
-                                                             const std::string& name) {
-    const ImageChannel *inA = a.find(name), *inB = b.find(name);
-    if (!inA || !inB || isUint(*inA) || isUint(*inB)) return {nullptr, nullptr};
-    return {inA, inB};
-}
+struct RangeSums {
+    double min = kInfinity, max = -kInfinity, sum = 0.0;
+    std::uint64_t finite = 0;
 
-void requireSameChannels(const Image& a, const Image& b, std::vector<std::string>& failures) {
-    for (const ImageChannel& channel : a.channels) {
-        const ImageChannel* other = b.find(channel.name);
-        if (!other)
-            failures.push_back(fmt::format("channel {} is in the first image only", channel.name));
-        else if (isUint(channel) != isUint(*other))
-            failures.push_back(fmt::format("channel {} is {} against {}", channel.name, kindName(channel),
-                                           kindName(*other)));
+    void add(double value) {
+        min = std::min(min, value);
+        max = std::max(max, value);
+        sum += value;
+        ++finite;
     }
-    for (const ImageChannel& channel : b.channels)
-        if (!a.find(channel.name))
-            failures.push_back(fmt::format("channel {} is in the second image only", channel.name));
-}
-
-void requireFinite(const NonFiniteCounts& counts, const char* which, std::vector<std::string>& failures) {
-    if (!counts.first) return;
-    failures.push_back(fmt::format(
-        "{} non-finite values in {} pixels of the {} image, first in {} at x {}, y {}", counts.total(),
-        counts.pixels, which, counts.first->channel, counts.first->x, counts.first->y));
-}
-
-std::uint64_t countDiffering(const ImageChannel& a, const ImageChannel& b) {
-    std::uint64_t count = 0;
-    for (std::size_t i = 0; i < a.uints.size(); ++i) count += a.uints[i] != b.uints[i] ? 1u : 0u;
-    return count;
-}
-
-void compareChannels(const Image& a, const Image& b, Comparison& result) {
-    for (const ImageChannel& channel : a.channels) {
-        const ImageChannel* other = b.find(channel.name);
-        if (!other || isUint(channel) != isUint(*other)) continue;
-        if (isUint(channel))
-            result.uints.push_back({channel.name, countDiffering(channel, *other)});
-        else
-            result.channels.push_back({channel.name, compareValues(channel, *other)});
+    void add(const RangeSums& other) {
+        min = std::min(min, other.min);
+        max = std::max(max, other.max);
+        sum += other.sum;
+        finite += other.finite;
     }
-    for (const char* name : kColorChannels) {
-        const auto [inA, inB] = findBoth(a, b, name);
-        if (!inA) continue;
-        if (!result.color) result.color.emplace();
-        result.color->add(compareValues(*inA, *inB));
+    ValueRange range() const {
+        if (finite == 0) return {};
+        return {min, max, sum / static_cast<double>(finite)};
+    }
+};
+
+struct Sums {
+    std::uint64_t values = 0, compared = 0;
+    double difference = 0.0, absolute = 0.0, square = 0.0, relative = 0.0, symmetric = 0.0, maxAbs = 0.0;
+    RangeSums a, b;
+
+    void add(const Sums& other) {
+        values += other.values;
+        compared += other.compared;
+        difference += other.difference;
+        absolute += other.absolute;
+        square += other.square;
+        relative += other.relative;
+        symmetric += other.symmetric;
+        maxAbs = std::max(maxAbs, other.maxAbs);
+        a.add(other.a);
+        b.add(other.b);
+    }
+};
+
+struct BlockResult {
+    std::vector<Sums> sums;                       // of each channel
+    std::vector<std::vector<std::uint64_t>> over; // of each channel, then of the pixels: of each threshold
+    std::vector<PixelError> worst;                // of the pixels that are finite
+};
+
+// Adds the values of one channel's block; errors[i] becomes |a - b|, infinite where that is not finite.
+void measureBlock(const float* a, const float* b, const std::uint8_t* ignored, std::size_t count,
+                  double* errors, Sums& sums, ErrorCounts& counts) {
+    constexpr double kEpsilon = 1e-2;
+    for (std::size_t i = 0; i < count; ++i) {
+        errors[i] = kIgnored;
+        if (ignored && ignored[i]) continue;
+        ++sums.values;
+        const double va = a[i], vb = b[i];
+        const double difference = va - vb; // doubles hold every difference of finite floats
+        const double absolute = std::abs(difference);
+        if (!(absolute < kInfinity)) {
+            errors[i] = va == vb || (std::isnan(va) && std::isnan(vb)) ? 0.0 : kInfinity;
+            if (std::isfinite(va)) sums.a.add(va);
+            if (std::isfinite(vb)) sums.b.add(vb);
+            continue;
+        }
+        errors[i] = absolute;
+        sums.a.add(va);
+        sums.b.add(vb);
+        ++sums.compared;
+        sums.difference += difference;
+        sums.absolute += absolute;
+        sums.square += difference * difference;
+        sums.relative += difference * difference / (vb * vb + kEpsilon);
+        sums.symmetric += absolute / (std::abs(va) + std::abs(vb) + kEpsilon);
+        sums.maxAbs = std::max(sums.maxAbs, absolute);
+        counts.add(absolute);
     }
 }
 
-// The first pixel, in the order of kColorChannels and then of rows, with the largest difference.
-std::optional<WorstPixel> findWorst(const Image& a, const Image& b, double maxAbs) {
-    if (maxAbs == 0.0) return std::nullopt;
-    for (const char* name : kColorChannels) {
-        const auto [inA, inB] = findBoth(a, b, name);
-        if (!inA) continue;
-        for (std::size_t i = 0; i < a.pixelCount(); ++i) {
-            const double va = inA->values[i], vb = inB->values[i];
-            if (std::abs(va - vb) == maxAbs)
-                return WorstPixel{name, static_cast<std::uint32_t>(i % a.width),
-                                  static_cast<std::uint32_t>(i / a.width), va, vb};
+std::vector<std::uint64_t> countOver(const double* errors, std::size_t count,
+                                     const std::vector<double>& thresholds) {
+    std::vector<std::uint64_t> over;
+    for (const double threshold : thresholds)
+        over.push_back(static_cast<std::uint64_t>(
+            std::count_if(errors, errors + count, [&](double e) { return e > threshold; })));
+    return over;
+}
+
+// Keeps the largest `limit` errors, largest first; of equal ones those that came first.
+void keepWorst(std::vector<PixelError>& worst, std::size_t limit, const PixelError& found) {
+    if (worst.size() >= limit && (limit == 0 || found.first <= worst.back().first)) return;
+    const auto isLarger = [](const PixelError& one, const PixelError& other) {
+        return one.first > other.first;
+    };
+    worst.insert(std::ranges::upper_bound(worst, found, isLarger), found);
+    if (worst.size() > limit) worst.pop_back();
+}
+
+WorstPixel pixelAt(const std::string& channel, const PixelBox& box, std::size_t i, double a, double b) {
+    return {channel, box.x0 + static_cast<std::int32_t>(i % box.width()),
+            box.y0 + static_cast<std::int32_t>(i / box.width()), a, b};
+}
+
+ErrorFigures figuresOf(const Sums& sums, double peak) {
+    ErrorFigures figures;
+    figures.values = sums.values;
+    figures.compared = sums.compared;
+    figures.a = sums.a.range();
+    figures.b = sums.b.range();
+    if (sums.compared == 0) return figures;
+    const auto count = static_cast<double>(sums.compared);
+    figures.maxAbs = sums.maxAbs;
+    figures.bias = sums.difference / count;
+    figures.mae = sums.absolute / count;
+    figures.mse = sums.square / count;
+    figures.rmse = std::sqrt(figures.mse);
+    figures.relMse = sums.relative / count;
+    figures.smape = sums.symmetric / count;
+    figures.psnr = 10.0 * std::log10(peak * peak / figures.mse);
+    return figures;
+}
+
+// Rounded to single precision, a percentile may come out above the largest error of all.
+void limitPercentiles(ErrorFigures& figures) {
+    for (Percentile& percentile : figures.percentiles)
+        percentile.absError = std::min(percentile.absError, figures.maxAbs);
+}
+
+class LayerMeasurement {
+public:
+    LayerMeasurement(const LayerPair& layer, const Focus& focus, const MetricOptions& options)
+        : layer_(layer), focus_(focus), options_(options), pixelCount_(focus.box.pixelCount()),
+          blocks_((pixelCount_ + kBlock - 1) / kBlock) {}
+
+    LayerComparison run() {
+        tbb::parallel_for(std::size_t(0), blocks_.size(), [&](std::size_t block) { measure(block); });
+        LayerComparison result;
+        addUp(result);
+        addDistributions(result);
+        addWorst(result);
+        return result;
+    }
+
+private:
+    void measure(std::size_t block) {
+        const std::size_t first = block * kBlock, count = std::min(kBlock, pixelCount_ - first);
+        const std::uint8_t* ignored = focus_.ignored.empty() ? nullptr : focus_.ignored.data() + first;
+        std::vector<ErrorCounts>& counts = counts_.local();
+        counts.resize(layer_.channels.size());
+        BlockResult& result = blocks_[block];
+        std::array<double, kBlock> errors, pixelErrors;
+        pixelErrors.fill(kIgnored);
+        for (std::size_t c = 0; c < layer_.channels.size(); ++c) {
+            const ChannelPair& channel = layer_.channels[c];
+            measureBlock(channel.a->values.data() + first, channel.b->values.data() + first, ignored, count,
+                         errors.data(), result.sums.emplace_back(), counts[c]);
+            result.over.push_back(countOver(errors.data(), count, options_.thresholds));
+            for (std::size_t i = 0; i < count; ++i) pixelErrors[i] = std::max(pixelErrors[i], errors[i]);
+        }
+        result.over.push_back(countOver(pixelErrors.data(), count, options_.thresholds));
+        for (std::size_t i = 0; i < count; ++i)
+            if (pixelErrors[i] > 0.0 && pixelErrors[i] < kInfinity)
+                keepWorst(result.worst, options_.worst, {pixelErrors[i], first + i});
+    }
+
+    std::vector<OverThreshold> overOf(std::size_t set) const {
+        std::vector<OverThreshold> result;
+        const auto pixels = static_cast<double>(pixelCount_ - focus_.ignoredCount);
+        for (std::size_t t = 0; t < options_.thresholds.size(); ++t) {
+            OverThreshold& over = result.emplace_back();
+            over.threshold = options_.thresholds[t];
+            for (const BlockResult& block : blocks_) over.pixels += block.over[set][t];
+            over.fraction = pixels > 0.0 ? static_cast<double>(over.pixels) / pixels : kNotComputed;
+        }
+        return result;
+    }
+
+    void addUp(LayerComparison& result) const {
+        Sums all;
+        for (std::size_t c = 0; c < layer_.channels.size(); ++c) {
+            Sums sums;
+            for (const BlockResult& block : blocks_)
+                sums.add(block.sums[c]); // in order: the same on any machine
+            all.add(sums);
+            ErrorFigures figures = figuresOf(sums, options_.peak);
+            figures.over = overOf(c);
+            result.channels.push_back({layer_.channels[c].name, std::move(figures), 0});
+        }
+        result.figures = figuresOf(all, options_.peak);
+        result.figures.over = overOf(layer_.channels.size());
+    }
+
+    void addDistributions(LayerComparison& result) {
+        std::vector<ErrorCounts> counts(layer_.channels.size());
+        for (const std::vector<ErrorCounts>& ofThread : counts_)
+            for (std::size_t c = 0; c < counts.size(); ++c) counts[c].add(ofThread[c]);
+        auto percentiles = findPercentiles(layer_, focus_, counts, options_.percents);
+        ErrorCounts all;
+        for (std::size_t c = 0; c < counts.size(); ++c) {
+            result.channels[c].figures.percentiles = std::move(percentiles[c]);
+            result.channels[c].figures.histogram = histogramOf(counts[c]);
+            all.add(counts[c]);
+        }
+        result.figures.percentiles = std::move(percentiles.back());
+        result.figures.histogram = histogramOf(all);
+        limitPercentiles(result.figures);
+        for (ChannelComparison& channel : result.channels) limitPercentiles(channel.figures);
+    }
+
+    void addWorst(LayerComparison& result) const {
+        std::vector<PixelError> worst;
+        for (const BlockResult& block : blocks_)
+            for (const PixelError& found : block.worst) keepWorst(worst, options_.worst, found);
+        for (const PixelError& found : worst) {
+            const auto errorOf = [&](const ChannelPair& channel) {
+                return std::abs(double(channel.a->values[found.second]) -
+                                double(channel.b->values[found.second]));
+            };
+            const ChannelPair& channel = *std::ranges::max_element(layer_.channels, {}, errorOf);
+            result.worst.push_back(pixelAt(channel.name, focus_.box, found.second,
+                                           channel.a->values[found.second], channel.b->values[found.second]));
         }
     }
-    return std::nullopt;
+
+    const LayerPair& layer_;
+    const Focus& focus_;
+    const MetricOptions& options_;
+    std::size_t pixelCount_;
+    std::vector<BlockResult> blocks_;
+    tbb::enumerable_thread_specific<std::vector<ErrorCounts>> counts_;
+};
+
+LayerComparison measureIds(const LayerPair& layer, const Focus& focus, const MetricOptions& options) {
+    LayerComparison result;
+    const ChannelPair& channel = layer.channels.front();
+    std::uint64_t differing = 0;
+    for (std::size_t i = 0; i < channel.a->uints.size(); ++i) {
+        const std::uint32_t a = channel.a->uints[i], b = channel.b->uints[i];
+        if (a == b) continue; // what is ignored is 0 in both
+        ++differing;
+        if (result.worst.size() < options.worst)
+            result.worst.push_back(pixelAt(channel.name, focus.box, i, a, b));
+    }
+    const std::uint64_t pixels = focus.box.pixelCount() - focus.ignoredCount;
+    result.figures.values = result.figures.compared = pixels;
+    const double fraction = static_cast<double>(differing) / static_cast<double>(pixels);
+    result.figures.over.push_back({0.0, differing, pixels ? fraction : kNotComputed});
+    result.channels.push_back({channel.name, result.figures, differing});
+    return result;
 }
 
 } // namespace
 
-double ErrorSums::rmse() const {
-    if (compared == 0) return std::numeric_limits<double>::quiet_NaN();
-    return std::sqrt(squaredSum / static_cast<double>(compared));
-}
-
-void ErrorSums::add(const ErrorSums& other) {
-    values += other.values;
-    compared += other.compared;
-    squaredSum += other.squaredSum;
-    maxAbs = std::max(maxAbs, other.maxAbs);
-}
-
-NonFiniteCounts countNonFinite(const Image& image) {
-    NonFiniteCounts counts;
-    std::vector<bool> isCounted(image.pixelCount());
-    for (const ImageChannel& channel : image.channels) {
-        for (std::size_t i = 0; i < channel.values.size(); ++i) {
-            const float value = channel.values[i];
-            if (std::isfinite(value)) continue;
-            counts.pixels += isCounted[i] ? 0u : 1u;
-            isCounted[i] = true;
-            ++(std::isnan(value) ? counts.nan : value > 0.0f ? counts.positiveInf : counts.negativeInf);
-            if (!counts.first)
-                counts.first = {channel.name, static_cast<std::uint32_t>(i % image.width),
-                                static_cast<std::uint32_t>(i / image.width), value};
-        }
-    }
-    return counts;
-}
-
-ErrorSums compareValues(const ImageChannel& a, const ImageChannel& b) {
-    ErrorSums sums;
-    sums.values = a.values.size();
-    for (std::size_t i = 0; i < a.values.size(); ++i) {
-        const double difference = double(a.values[i]) - double(b.values[i]);
-        if (!std::isfinite(difference)) continue; // doubles hold every difference of finite floats
-        ++sums.compared;
-        sums.squaredSum += difference * difference;
-        sums.maxAbs = std::max(sums.maxAbs, std::abs(difference));
-    }
-    return sums;
-}
-
-Comparison compareImages(const Image& a, const Image& b, double maxRmse) {
-    Comparison result;
-    result.nonFiniteA = countNonFinite(a);
-    result.nonFiniteB = countNonFinite(b);
-    if (a.width != b.width || a.height != b.height)
-        result.failures.push_back(
-            fmt::format("sizes differ: {} x {} against {} x {}", a.width, a.height, b.width, b.height));
-    const bool sameSize = result.failures.empty();
-    requireSameChannels(a, b, result.failures);
-    requireFinite(result.nonFiniteA, "first", result.failures);
-    requireFinite(result.nonFiniteB, "second", result.failures);
-    if (!sameSize) return result;
-
-    compareChannels(a, b, result);
-    if (!result.color) {
-        result.failures.push_back("no color channel (R, G, B, A) in common");
-        return result;
-    }
-    result.worst = findWorst(a, b, result.color->maxAbs);
-    const double rmse = result.color->rmse();
-    if (!(rmse <= maxRmse)) // true for NaN too: nothing was compared
-        result.failures.push_back(fmt::format("RMSE {} exceeds {}", rmse, maxRmse));
+LayerComparison measureLayer(const LayerPair& layer, const Focus& focus, const MetricOptions& options) {
+    LayerComparison result = layer.kind == LayerKind::Ids ? measureIds(layer, focus, options)
+                                                          : LayerMeasurement(layer, focus, options).run();
+    result.part = layer.part;
+    result.name = layer.name;
+    result.kind = layer.kind;
     return result;
 }
 

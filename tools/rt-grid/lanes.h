@@ -1,4 +1,6 @@
 #pragma once
+#include "common/wide_lanes.h"
+
 #include <cstddef>
 #include <cstring>
 #include <glm/vec3.hpp>
@@ -21,16 +23,6 @@ struct RT_LANES_ALIGNED LanesTriple {
     const Lanes& operator[](std::size_t i) const { return lanes[i]; }
     Lanes& operator[](std::size_t i) { return lanes[i]; }
 };
-
-/// Compiles a function, and all that is inlined into it, once more for processors with AVX2, and takes that
-/// where it runs. The results are the same: no operation is fused or reordered. Not without optimization,
-/// which inlines nothing.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && defined(__OPTIMIZE__) &&              \
-    !defined(__SANITIZE_ADDRESS__)
-#define RT_WIDE_LANES __attribute__((target_clones("default", "arch=x86-64-v3"), flatten))
-#else
-#define RT_WIDE_LANES
-#endif
 
 inline Lanes allLanes(double value) {
     return Lanes{value, value, value, value};

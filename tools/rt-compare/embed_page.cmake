@@ -1,0 +1,10 @@
+# Writes OUTPUT, a .cpp with the texts of FOLDER/report_page.*.
+set(text "#include \"tools/rt-compare/report_page.h\"\n\nnamespace rt {\n\n")
+foreach(piece IN ITEMS Page:html Style:css Script:js)
+    string(REPLACE ":" ";" piece ${piece})
+    list(GET piece 0 name)
+    list(GET piece 1 suffix)
+    file(READ ${FOLDER}/report_page.${suffix} content)
+    string(APPEND text "const char* const kReport${name} = R\"rt_page(${content})rt_page\";\n")
+endforeach()
+file(WRITE ${OUTPUT} "${text}\n} // namespace rt\n")

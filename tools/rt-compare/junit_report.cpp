@@ -1,0 +1,74 @@
+#include "tools/rt-compare/junit_report.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <vector>
+
+namespace rt {
+namespace {
+
+// XML has no place for other control characters, not even escaped.
+std::string escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        if (c == '&')
+            result += "&amp;";
+        else if (c == '<')
+            result += "&lt;";
+        else if (c == '>')
+            result += "&gt;";
+        else if (c == '"')
+            result += "&quot;";
+        else
+            result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
+    }
+    return result;
+}
+
+// Bytes that are not UTF-8, which file names may hold, become the replacement character.
+std::string textOf(const nlohmann::json& value) {
+    const std::string quoted = value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return escaped(nlohmann::json::parse(quoted).get<std::string>());
+}
+
+// What fails, a line each.
+std::vector<std::string> problemsOf(const nlohmann::json& pair) {
+    if (pair.contains("problem")) return {textOf(pair.at("problem"))};
+    std::vector<std::string> problems;
+    for (const nlohmann::json& finding : pair.at("findings"))
+        if (finding.at("fails").get<bool>()) problems.push_back(textOf(finding.at("text")));
+    return problems;
+}
+
+std::string fileOf(const nlohmann::json& picture) {
+    return picture.at("file").is_null() ? "(no file)" : textOf(picture.at("file"));
+}
+
+std::string testCase(const nlohmann::json& pair) {
+    const std::string head = fmt::format("  <testcase classname=\"rt-compare\" name=\"{} against {}\"",
+                                         fileOf(pair.at("a")), fileOf(pair.at("b")));
+    if (pair.at("verdict") == "pass") return head + "/>\n";
+    const char* const kind = pair.at("verdict") == "fail" ? "failure" : "error";
+    const std::vector<std::string> problems = problemsOf(pair);
+    return fmt::format("{}>\n    <{} message=\"{}\">{}</{}>\n  </testcase>\n", head, kind,
+                       problems.empty() ? "" : problems.front(), fmt::join(problems, "\n"), kind);
+}
+
+} // namespace
+
+std::string junitReport(const nlohmann::json& pairs) {
+    std::string cases;
+    std::size_t failures = 0, errors = 0;
+    for (const nlohmann::json& pair : pairs) {
+        cases += testCase(pair);
+        failures += pair.at("verdict") == "fail" ? 1u : 0u;
+        errors += pair.at("verdict") == "error" ? 1u : 0u;
+    }
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+        "<testsuite name=\"rt-compare\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n{}</testsuite>\n",
+        pairs.size(), failures, errors, cases);
+}
+
+} // namespace rt

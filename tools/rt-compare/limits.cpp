@@ -1,0 +1,253 @@
+#include "tools/rt-compare/limits.h"
+
+#include "common/command_line.h"
+#include "common/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace rt {
+namespace {
+
+bool hasParameter(Metric metric) {
+    return metric == Metric::Percentile || metric == Metric::Over;
+}
+
+bool isAtLeast(Metric metric) {
+    return metric == Metric::Psnr || metric == Metric::Ssim || metric == Metric::MsSsim;
+}
+
+// A fraction of pixels, or a mean of values that lie between 0 and 1.
+bool isFraction(Metric metric) {
+    return metric == Metric::Over || metric == Metric::Differing || metric == Metric::Smape ||
+           metric == Metric::Flip || metric == Metric::Ssim || metric == Metric::MsSsim;
+}
+
+bool suits(Metric metric, LayerKind kind) {
+    if (metric == Metric::Differing) return true;
+    if (metric == Metric::Flip || metric == Metric::Ssim || metric == Metric::MsSsim)
+        return kind == LayerKind::Color;
+    return kind != LayerKind::Ids;
+}
+
+double overOf(const ErrorFigures& figures, double threshold) {
+    for (const OverThreshold& over : figures.over)
+        if (over.threshold == threshold) return over.fraction;
+    return kNotComputed;
+}
+
+double percentileOf(const ErrorFigures& figures, double percent) {
+    for (const Percentile& percentile : figures.percentiles)
+        if (percentile.percent == percent) return percentile.absError;
+    return kNotComputed;
+}
+
+double valueOf(const Limit& limit, const ErrorFigures& figures) {
+    switch (limit.metric) {
+    case Metric::MaxAbs:
+        return figures.maxAbs;
+    case Metric::Mae:
+        return figures.mae;
+    case Metric::Mse:
+        return figures.mse;
+    case Metric::Rmse:
+        return figures.rmse;
+    case Metric::RelMse:
+        return figures.relMse;
+    case Metric::Smape:
+        return figures.smape;
+    case Metric::Psnr:
+        return figures.psnr;
+    case Metric::Percentile:
+        return percentileOf(figures, limit.parameter);
+    case Metric::Over:
+    case Metric::Differing:
+        return overOf(figures, limit.parameter);
+    default:
+        return kNotComputed;
+    }
+}
+
+double valueOf(const Limit& limit, const LayerComparison& layer) {
+    if (limit.metric == Metric::Flip) return layer.flip ? layer.flip->mean : kNotComputed;
+    if (limit.metric == Metric::Ssim) return layer.ssim.value_or(kNotComputed);
+    if (limit.metric == Metric::MsSsim) return layer.msSsim.value_or(kNotComputed);
+    return valueOf(limit, layer.figures);
+}
+
+class LimitChecker {
+public:
+    LimitChecker(const std::vector<Limit>& limits, bool tolerant, Comparison& comparison)
+        : limits_(limits), tolerant_(tolerant), comparison_(comparison) {}
+
+    void run() {
+        const bool someUnnamed =
+            std::ranges::any_of(limits_, [](const Limit& limit) { return limit.where.empty(); });
+        for (const LayerComparison& layer : comparison_.layers) {
+            const std::vector<const Limit*> limits = limitsOf(layer);
+            for (const Limit* limit : limits) check(*limit, layer.name, valueOf(*limit, layer));
+            const bool hasChannelLimit = checkChannels(layer);
+            if (!limits.empty() || hasChannelLimit || tolerant_) continue;
+            if (layer.kind == LayerKind::Color || !someUnnamed) checkEqual(layer);
+        }
+        requireKnownNames();
+    }
+
+private:
+    // 3: names the layer; 2: all; 1: all colours; 0: another one.
+    static int precisionOf(const Limit& limit, const LayerComparison& layer) {
+        if (!suits(limit.metric, layer.kind)) return 0;
+        if (limit.where.empty()) return layer.kind == LayerKind::Color ? 1 : 0;
+        if (limit.where == "*") return 2;
+        return isNamed(layer.name, limit.where) ? 3 : 0;
+    }
+
+    // For each kind of figure the limit with the most precise name, and of several such the last one.
+    std::vector<const Limit*> limitsOf(const LayerComparison& layer) const {
+        std::vector<const Limit*> chosen;
+        for (const Limit& limit : limits_) {
+            const int precision = precisionOf(limit, layer);
+            if (precision == 0) continue;
+            const auto same = std::ranges::find_if(chosen, [&](const Limit* other) {
+                return other->metric == limit.metric && other->parameter == limit.parameter;
+            });
+            if (same == chosen.end())
+                chosen.push_back(&limit);
+            else if (precision >= precisionOf(**same, layer))
+                *same = &limit;
+        }
+        return chosen;
+    }
+
+    // Limits that name one channel of a layer of several.
+    bool checkChannels(const LayerComparison& layer) {
+        bool found = false;
+        for (const ChannelComparison& channel : layer.channels) {
+            if (channel.name == layer.name) continue;
+            for (const Limit& limit : limits_) {
+                if (limit.where.empty() || !isNamed(channel.name, limit.where)) continue;
+                check(limit, channel.name, valueOf(limit, channel.figures));
+                found = true;
+            }
+        }
+        return found;
+    }
+
+    void checkEqual(const LayerComparison& layer) {
+        const Metric metric = layer.kind == LayerKind::Ids ? Metric::Differing : Metric::Rmse;
+        const Limit equal{metric, layer.name, 0.0, 0.0};
+        check(equal, layer.name, valueOf(equal, layer));
+    }
+
+    void check(const Limit& limit, const std::string& where, double value) {
+        const bool atLeast = isAtLeast(limit.metric);
+        const bool passed = atLeast ? value >= limit.value : value <= limit.value; // false for NaN
+        comparison_.checks.push_back(
+            {where, metricName(limit), value, limit.value, atLeast, passed, limit.metric, limit.parameter});
+        if (passed) return;
+        const char* fault = std::isnan(value) ? "could not be computed; limit"
+                            : atLeast         ? "is below"
+                                              : "exceeds";
+        const std::string found = std::isnan(value) ? "" : fmt::format(" {:.9g}", value);
+        comparison_.findings.push_back(
+            {"limit", fmt::format("{}: {}{} {} {:.9g}", where, metricName(limit), found, fault, limit.value),
+             true});
+    }
+
+    void requireKnownNames() {
+        std::set<std::string> names;
+        for (const LayerComparison& layer : comparison_.layers) {
+            names.insert(layer.name);
+            for (const ChannelComparison& channel : layer.channels) names.insert(channel.name);
+        }
+        for (const Limit& limit : limits_) {
+            if (limit.where.empty() || limit.where == "*") continue;
+            if (std::ranges::any_of(names,
+                                    [&](const std::string& name) { return isNamed(name, limit.where); }))
+                continue;
+            comparison_.findings.push_back(
+                {"limit",
+                 fmt::format(
+                     "no layer or channel is called {}, for which a limit of {} is given; there are: {}",
+                     limit.where, metricName(limit), fmt::join(names, ", ")),
+                 true});
+        }
+    }
+
+    const std::vector<Limit>& limits_;
+    bool tolerant_;
+    Comparison& comparison_;
+};
+
+} // namespace
+
+Limit parseLimit(Metric metric, const std::string& text, const std::string& option) {
+    Limit limit{metric, {}, 0.0, 0.0};
+    std::string numbers = text;
+    if (const std::size_t equals = text.rfind('='); equals != text.npos) {
+        limit.where = text.substr(0, equals);
+        numbers = text.substr(equals + 1);
+        if (limit.where.empty())
+            throw Error(ErrorKind::Usage, fmt::format("{}: '{}' names nothing", option, text));
+    }
+    std::ranges::replace(numbers, ':', ',');
+    const std::vector<double> values = parseNumbers(numbers, hasParameter(metric) ? 2 : 1, option);
+    limit.value = values.back();
+    if (hasParameter(metric)) limit.parameter = values.front();
+    const double highest = isFraction(metric) ? 1.0 : std::numeric_limits<double>::max();
+    if (metric != Metric::Psnr && (limit.value < 0.0 || limit.value > highest))
+        throw Error(ErrorKind::Usage, fmt::format("{}: {} is not a finite number >= 0{}", option, limit.value,
+                                                  highest == 1.0 ? " and <= 1" : ""));
+    if (limit.parameter < 0.0 ||
+        (metric == Metric::Percentile && (limit.parameter <= 0.0 || limit.parameter > 100.0)))
+        throw Error(ErrorKind::Usage,
+                    fmt::format("{}: {} is no {}", option, limit.parameter,
+                                metric == Metric::Over ? "threshold" : "percentage above 0"));
+    return limit;
+}
+
+std::string metricName(const Limit& limit) {
+    switch (limit.metric) {
+    case Metric::MaxAbs:
+        return "maximum |a-b|";
+    case Metric::Mae:
+        return "MAE";
+    case Metric::Mse:
+        return "MSE";
+    case Metric::Rmse:
+        return "RMSE";
+    case Metric::RelMse:
+        return "relMSE";
+    case Metric::Smape:
+        return "SMAPE";
+    case Metric::Flip:
+        return "FLIP";
+    case Metric::Psnr:
+        return "PSNR";
+    case Metric::Ssim:
+        return "SSIM";
+    case Metric::MsSsim:
+        return "MS-SSIM";
+    case Metric::Percentile:
+        return fmt::format("percentile {:g} of |a-b|", limit.parameter);
+    case Metric::Over:
+        return fmt::format("fraction of pixels over {:g}", limit.parameter);
+    case Metric::Differing:
+        break;
+    }
+    return "fraction of pixels that differ";
+}
+
+bool isNamed(const std::string& name, const std::string& where) {
+    return name == where || (name.size() > where.size() && name.ends_with(where) &&
+                             name[name.size() - where.size() - 1] == '/');
+}
+
+void checkLimits(const std::vector<Limit>& limits, bool tolerant, Comparison& comparison) {
+    LimitChecker(limits, tolerant, comparison).run();
+}
+
+} // namespace rt

@@ -1,0 +1,165 @@
+#include "tools/rt-compare/perception.h"
+
+#include "common/wide_lanes.h"
+#include "tools/rt-compare/float_lanes.h"
+#include "tools/rt-compare/pool_errors.h"
+#include "tools/rt-compare/ssim.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace rt {
+namespace {
+
+using Values = std::span<const float>;
+
+// Colours of a layer in both pictures: R, G and B (those that are missing are black) or Y thrice.
+struct LayerColors {
+    ColorPlanes a, b;
+    std::size_t distinct = 0; // planes that differ from each other: 1 or 3
+    std::vector<float> black;
+};
+
+std::optional<LayerColors> colorsOf(const PreparedPair& pair, const LayerPair& layer) {
+    LayerColors colors;
+    const ChannelPair* channels[3] = {layer.find("R"), layer.find("G"), layer.find("B")};
+    const bool isColored = channels[0] || channels[1] || channels[2];
+    if (!isColored) std::ranges::fill(channels, layer.find("Y"));
+    if (!isColored && !channels[0]) return std::nullopt;
+    const PixelBox& box = pair.focus[layer.part].box;
+    colors.distinct = isColored ? 3 : 1;
+    for (ColorPlanes* const planes : {&colors.a, &colors.b}) {
+        planes->width = box.width();
+        planes->height = box.height();
+        planes->encoding =
+            pair.a.scale == ValueScale::Display ? ColorPlanes::Encoding::Srgb : ColorPlanes::Encoding::Linear;
+    }
+    colors.black.resize(colors.a.pixelCount());
+    for (std::size_t c = 0; c < 3; ++c) {
+        colors.a.planes[c] = channels[c] ? Values(channels[c]->a->values) : Values(colors.black);
+        colors.b.planes[c] = channels[c] ? Values(channels[c]->b->values) : Values(colors.black);
+    }
+    return colors;
+}
+
+FlipFigures figuresOf(const PooledErrors& pooled) {
+    FlipFigures figures;
+    figures.mean = pooled.mean;
+    figures.min = pooled.min;
+    figures.max = pooled.max;
+    figures.firstQuartile = pooled.firstWeightedQuartile;
+    figures.weightedMedian = pooled.weightedMedian;
+    figures.thirdQuartile = pooled.thirdWeightedQuartile;
+    for (std::size_t i = 0; i < pooled.percentiles.size(); ++i)
+        figures.percentiles.push_back({PooledErrors::kPercents[i], pooled.percentiles[i]});
+    return figures;
+}
+
+// The second picture is the reference.
+std::vector<float> addFlip(const LayerColors& colors, const std::vector<std::uint8_t>& ignored,
+                           const PerceptionOptions& options, LayerComparison& layer) {
+    const bool isHdr = colors.a.encoding == ColorPlanes::Encoding::Linear;
+    AutomaticExposures exposures;
+    if (options.exposures)
+        exposures.range = *options.exposures;
+    else if (isHdr)
+        exposures = automaticExposures(colors.b, colors.a);
+    std::vector<float> map = isHdr ? flipHdr(colors.b, colors.a, exposures.range, options.pixelsPerDegree)
+                                   : flipLdr(colors.b, colors.a, options.pixelsPerDegree);
+    std::vector<float> counted;
+    for (std::size_t i = 0; i < ignored.size(); ++i) {
+        if (!ignored[i]) counted.push_back(map[i]);
+        if (ignored[i]) map[i] = 0.0f;
+    }
+    if (ignored.empty() || !counted.empty())
+        layer.flip = figuresOf(poolErrors(ignored.empty() ? Values(map) : Values(counted)));
+    else
+        layer.flip.emplace();
+    layer.flip->hdr = isHdr;
+    layer.flip->pixelsPerDegree = options.pixelsPerDegree;
+    if (!isHdr) return map;
+    layer.flip->startExposure = exposures.range.start;
+    layer.flip->stopExposure = exposures.range.stop;
+    layer.flip->exposures = static_cast<int>(exposures.range.count);
+    layer.flip->note = exposures.note;
+    return map;
+}
+
+RT_WIDE_LANES void toDisplay(const float* from, float* to, std::size_t count) {
+    const Floats none = allFloats(0.0f);
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        float lanes[kLanes] = {};
+        std::copy_n(from + i, std::min(kLanes, count - i), lanes);
+        Floats v = loadFloats(lanes);
+        v = greater(v - v == 0.0f ? v : none, none);
+        v = v / (1.0f + v);
+        const Floats curve = 1.055f * power(v, allFloats(1.0f / 2.4f)) - 0.055f;
+        storeFloats(lanes, v <= 0.0031308f ? 12.92f * v : curve);
+        std::copy_n(lanes, std::min(kLanes, count - i), to + i);
+    }
+}
+
+// Values from 0 to 1 for similarities.
+std::vector<float> displayValues(Values values, ColorPlanes::Encoding encoding) {
+    if (encoding == ColorPlanes::Encoding::Srgb) return {values.begin(), values.end()};
+    std::vector<float> display(values.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), 1 << 14), [&](const auto& range) {
+        toDisplay(values.data() + range.begin(), display.data() + range.begin(), range.size());
+    });
+    return display;
+}
+
+void noteTooSmall(const LayerComparison& layer, const char* what, std::uint32_t least,
+                  Comparison& comparison) {
+    comparison.notes.push_back(
+        fmt::format("{}: no {} of a picture of less than {} x {} pixels", layer.name, what, least, least));
+}
+
+std::vector<float> addSimilarity(const LayerColors& colors, const std::vector<std::uint8_t>& ignored,
+                                 const PerceptionOptions& options, LayerComparison& layer) {
+    std::vector<float> map;
+    double single = 0.0, multi = 0.0;
+    const float share = 1.0f / static_cast<float>(colors.distinct);
+    for (std::size_t c = 0; c < colors.distinct; ++c) {
+        const std::vector<float> a = displayValues(colors.a.planes[c], colors.a.encoding);
+        const std::vector<float> b = displayValues(colors.b.planes[c], colors.b.encoding);
+        const SsimPlanes planes{colors.a.width, colors.a.height, a, b, ignored};
+        if (options.ssim) single += ssim(planes).value_or(kNotComputed);
+        if (options.msSsim) multi += msSsim(planes).value_or(kNotComputed);
+        if (!options.ssimMap) continue;
+        map.resize(a.size());
+        const std::vector<float> one = ssimMap(planes);
+        for (std::size_t i = 0; i < map.size(); ++i) map[i] += share * one[i];
+    }
+    const auto meanOf = [&](double sum) { return sum / static_cast<double>(colors.distinct); };
+    if (options.ssim && single == single) layer.ssim = meanOf(single);
+    if (options.msSsim && multi == multi) layer.msSsim = meanOf(multi);
+    return map;
+}
+
+} // namespace
+
+std::vector<PerceptionMaps> addPerception(const PreparedPair& pair, const PerceptionOptions& options,
+                                          Comparison& comparison) {
+    std::vector<PerceptionMaps> maps(pair.layers.size());
+    for (std::size_t i = 0; i < pair.layers.size(); ++i) {
+        LayerComparison& layer = comparison.layers[i];
+        if (layer.kind != LayerKind::Color ||
+            !(options.flip || options.ssim || options.msSsim || options.ssimMap))
+            continue;
+        const std::optional<LayerColors> colors = colorsOf(pair, pair.layers[i]);
+        if (!colors || colors->a.pixelCount() == 0) continue;
+        const std::vector<std::uint8_t>& ignored = pair.focus[layer.part].ignored;
+        if (options.flip) maps[i].flip = addFlip(*colors, ignored, options, layer);
+        if (options.ssim || options.msSsim || options.ssimMap)
+            maps[i].ssim = addSimilarity(*colors, ignored, options, layer);
+        if (options.ssim && !layer.ssim) noteTooSmall(layer, "SSIM", kSsimLeast, comparison);
+        if (options.msSsim && !layer.msSsim) noteTooSmall(layer, "MS-SSIM", kMsSsimLeast, comparison);
+    }
+    return maps;
+}
+
+} // namespace rt

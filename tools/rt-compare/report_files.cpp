@@ -1,0 +1,68 @@
+#include "tools/rt-compare/report_files.h"
+
+#include "common/binary_io.h"
+#include "common/error.h"
+#include "common/json_file.h"
+#include "common/log.h"
+#include "tools/rt-compare/html_report.h"
+#include "tools/rt-compare/json_report.h"
+#include "tools/rt-compare/junit_report.h"
+#include "tools/rt-compare/text_report.h"
+
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace rt {
+namespace {
+
+bool showsColors() {
+    const char* const noColor = std::getenv("NO_COLOR");
+    return isatty(STDOUT_FILENO) && !(noColor && *noColor);
+}
+
+void writeMaps(const ReportOptions& reports, const PreparedPair& pair,
+               const std::vector<PerceptionMaps>& maps) {
+    if (pair.layers.empty()) {
+        logWarning(reports.heatPaths.front() + ": not written, the images have no pixels in common");
+        return;
+    }
+    const Image map = heatMap(pair, maps, reports.heat);
+    std::vector<std::vector<std::byte>> files; // all encoded before the first is written
+    for (const std::string& path : reports.heatPaths) files.push_back(encodeImage(path, map));
+    for (std::size_t i = 0; i < files.size(); ++i) writeFile(reports.heatPaths[i], files[i]);
+}
+
+} // namespace
+
+ReportFiles::ReportFiles(const Options& options, std::size_t pairCount)
+    : options_(options), printsText_(!options.common.quiet && options.common.jsonPath != "-" &&
+                                     options.reports.junitPath != "-" && options.reports.htmlPath != "-"),
+      pairCount_(pairCount), pairs_(std::make_unique<nlohmann::json>(nlohmann::json::array())) {
+    if (pairCount > 1 && options.reports.showsPixels())
+        throw Error(ErrorKind::Usage, "-o and --html show one pair of images; compare the two files alone");
+}
+
+ReportFiles::~ReportFiles() = default;
+
+void ReportFiles::add(const PairResult& result, const PreparedPair* pair) {
+    const ReportOptions& reports = options_.reports;
+    differing_ += result.exitCode == kExitImagesDiffer ? 1u : 0u;
+    unreadable_ += result.exitCode > kExitImagesDiffer ? 1u : 0u;
+    if (printsText_) writeFile("-", textReport(result, pair, showsColors()));
+    if (options_.common.jsonPath.empty() && reports.junitPath.empty() && reports.htmlPath.empty() &&
+        reports.heatPaths.empty())
+        return;
+    pairs_->push_back(jsonReport(result, pair));
+    if (!pair) return;
+    if (!reports.htmlPath.empty())
+        writeFile(reports.htmlPath, htmlReport(pairs_->back(), *pair, result.maps));
+    if (!reports.heatPaths.empty()) writeMaps(reports, *pair, result.maps);
+}
+
+void ReportFiles::finish() {
+    if (printsText_ && pairCount_ > 1) writeFile("-", textSummary(pairCount_, differing_, unreadable_));
+    if (!options_.reports.junitPath.empty()) writeFile(options_.reports.junitPath, junitReport(*pairs_));
+    if (!options_.common.jsonPath.empty()) writeJson(options_.common.jsonPath, jsonFile(std::move(*pairs_)));
+}
+
+} // namespace rt

@@ -1,0 +1,29 @@
+#pragma once
+#include "tools/rt-compare/options.h"
+#include "tools/rt-compare/run.h"
+
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+
+namespace rt {
+
+/// Writes what is found out about pairs, one after the other, as the options ask for it.
+class ReportFiles {
+public:
+    /// Throws Error{Usage} if a report that shows the pixels of one pair is wanted of several.
+    ReportFiles(const Options& options, std::size_t pairCount);
+    ~ReportFiles();
+
+    /// Prints the pair, and writes its error map and page.
+    void add(const PairResult& result, const PreparedPair* pair);
+    /// Prints the summary and writes what is one file for all pairs.
+    void finish();
+
+private:
+    const Options& options_;
+    bool printsText_;
+    std::size_t pairCount_, differing_ = 0, unreadable_ = 0;
+    std::unique_ptr<nlohmann::json> pairs_;
+};
+
+} // namespace rt

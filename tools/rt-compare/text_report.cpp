@@ -1,0 +1,172 @@
+#include "tools/rt-compare/text_report.h"
+
+#include "common/error.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace rt {
+namespace {
+
+std::string number(double value) {
+    return std::isnan(value) ? "not computed" : fmt::format("{:.9g}", value);
+}
+
+std::string describePart(const PicturePart& part, bool isNamed) {
+    const Image& image = part.image;
+    std::string text = isNamed ? fmt::format("; part {}:", part.name) : "";
+    text += fmt::format(" {} x {} pixels, channels", part.displayWindow.width(), part.displayWindow.height());
+    for (const ImageChannel& channel : image.channels) text += " " + channel.name;
+    return text;
+}
+
+std::string describePicture(const char* which, const Picture& picture, const NonFiniteCounts& counts) {
+    std::string text = fmt::format("{}: {}:", which, picture.name);
+    for (const PicturePart& part : picture.parts) text += describePart(part, picture.parts.size() > 1);
+    return text + fmt::format("; {}; {} non-finite pixels: {} NaN, {} +Inf, {} -Inf\n", picture.format,
+                              counts.pixels, counts.nan, counts.positiveInf, counts.negativeInf);
+}
+
+std::string describeFocus(const Comparison& comparison, const PreparedPair& pair) {
+    const char* units =
+        comparison.scale == ValueScale::Linear ? "linear light" : "display values from 0 to 1";
+    std::string text = fmt::format("compared: {}", units);
+    if (pair.focus.size() == 1)
+        text += fmt::format(", pixels {},{} up to {},{}", comparison.box.x0, comparison.box.y0,
+                            comparison.box.x1, comparison.box.y1);
+    if (comparison.ignored > 0) text += fmt::format(", without {} ignored pixels", comparison.ignored);
+    return text + "\n";
+}
+
+std::string describeIds(const LayerComparison& layer) {
+    return fmt::format("{}: {} of {} pixels differ\n", layer.name, layer.channels.front().differing,
+                       layer.figures.values);
+}
+
+std::string describeWorst(const LayerComparison& layer) {
+    std::string text;
+    for (const WorstPixel& worst : layer.worst)
+        text += fmt::format("  worst: {} at x {}, y {}: a {:.9g}, b {:.9g}\n", worst.channel, worst.x,
+                            worst.y, worst.a, worst.b);
+    return text;
+}
+
+std::string describeNumbers(const LayerComparison& layer) {
+    const ErrorFigures& f = layer.figures;
+    std::string text = fmt::format(
+        "{}: RMSE {}, maximum |a-b| {}, mean |a-b| {}, mean a-b {}, over {} of {} values\n", layer.name,
+        number(f.rmse), number(f.maxAbs), number(f.mae), number(f.bias), f.compared, f.values);
+    text += fmt::format("  MSE {}, relMSE {}, SMAPE {}, PSNR {} dB", number(f.mse), number(f.relMse),
+                        number(f.smape), number(f.psnr));
+    if (layer.ssim) text += fmt::format(", SSIM {:.6f}", *layer.ssim);
+    if (layer.msSsim) text += fmt::format(", MS-SSIM {:.6f}", *layer.msSsim);
+    text += "\n";
+    if (f.maxAbs == 0.0) return text;
+    text += "  |a-b| at most";
+    for (const Percentile& p : f.percentiles)
+        text += fmt::format(" {:.6g} in {:g} %,", p.absError, p.percent);
+    text.back() = '\n';
+    text += "  pixels that differ";
+    for (const OverThreshold& over : f.over)
+        text += over.threshold == 0.0 ? fmt::format(": {} ({:.4g} %)", over.pixels, 100.0 * over.fraction)
+                                      : fmt::format(", by more than {:g}: {} ({:.4g} %)", over.threshold,
+                                                    over.pixels, 100.0 * over.fraction);
+    text += "\n";
+    if (layer.channels.size() > 1)
+        for (const ChannelComparison& channel : layer.channels)
+            text += fmt::format("  {}: RMSE {}, maximum |a-b| {}, {} of {} values\n", channel.name,
+                                number(channel.figures.rmse), number(channel.figures.maxAbs),
+                                channel.figures.compared, channel.figures.values);
+    return text;
+}
+
+std::string describeFlip(const FlipFigures& flip) {
+    std::string text = fmt::format("  FLIP ({}): mean {:.6f}, weighted median {:.6f}, weighted quartiles "
+                                   "{:.6f} and {:.6f}, maximum {:.6f}, at "
+                                   "{:.4g} pixels per degree",
+                                   flip.hdr ? "HDR" : "LDR", flip.mean, flip.weightedMedian,
+                                   flip.firstQuartile, flip.thirdQuartile, flip.max, flip.pixelsPerDegree);
+    if (flip.hdr)
+        text += fmt::format(", {} exposures from {:.4g} to {:.4g} stops", flip.exposures, flip.startExposure,
+                            flip.stopExposure);
+    if (!flip.note.empty()) text += fmt::format(" ({})", flip.note);
+    text += "\n  FLIP at most";
+    for (const Percentile& p : flip.percentiles)
+        text += fmt::format(" {:.6g} in {:g} %,", p.absError, p.percent);
+    text.back() = '\n';
+    return text;
+}
+
+std::string describeLayer(const LayerComparison& layer) {
+    std::string text = layer.kind == LayerKind::Ids ? describeIds(layer) : describeNumbers(layer);
+    if (layer.flip) text += describeFlip(*layer.flip);
+    return text + describeWorst(layer);
+}
+
+std::string describeNoise(const NoiseTest& noise) {
+    return fmt::format(
+        "noise ({}): {} of {} pixels and {} of {} regions are beyond it, at a false alarm rate of {:g}\n",
+        noise.source, noise.significantPixels, noise.pixels, noise.significantRegionCount, noise.regions,
+        noise.level);
+}
+
+std::string describeAlignment(const Alignment& found) {
+    if (!found.shifted()) return "alignment: no shift makes the images much more alike\n";
+    return fmt::format("alignment: a at x, y is most like b at x{:+}, y{:+}: RMSE {:.6g} instead of {:.6g}\n",
+                       found.dx, found.dy, found.rmse, found.rmseInPlace);
+}
+
+// A line, in a terminal's color.
+std::string painted(const std::string& line, const char* color, bool colored) {
+    return colored ? fmt::format("\x1b[{}m{}\x1b[0m\n", color, line) : line + "\n";
+}
+
+std::string verdictLine(const char* verdict, bool colored) {
+    const bool isPass = std::string_view(verdict) == "pass";
+    return painted(fmt::format("verdict: {}", verdict), isPass ? "1;32" : "1;31", colored);
+}
+
+std::string describeVerdict(const Comparison& comparison, bool colored) {
+    std::string text;
+    for (const Finding& finding : comparison.findings)
+        if (!finding.fails) text += fmt::format("allowed: {}: {}\n", finding.kind, finding.text);
+    for (const std::string& note : comparison.notes) text += "note: " + note + "\n";
+    for (const Finding& finding : comparison.findings)
+        if (finding.fails)
+            text += painted(fmt::format("fails: {}: {}", finding.kind, finding.text), "31", colored);
+    return text + verdictLine(comparison.passed() ? "pass" : "fail", colored);
+}
+
+} // namespace
+
+std::string textReport(const PairResult& result, const PreparedPair* pair, bool colored) {
+    if (!result.comparison)
+        return painted("fails: " + result.problem, "31", colored && result.exitCode != 0) +
+               verdictLine(result.exitCode == 0                   ? "pass"
+                           : result.exitCode == kExitImagesDiffer ? "fail"
+                                                                  : "none",
+                           colored);
+    const Comparison& comparison = *result.comparison;
+    std::string text = describePicture("a", pair->a, comparison.nonFiniteA) +
+                       describePicture("b", pair->b, comparison.nonFiniteB);
+    if (!comparison.layers.empty()) text += describeFocus(comparison, *pair);
+    for (const LayerComparison& layer : comparison.layers) text += describeLayer(layer);
+    for (const NonFinitePlace& place : comparison.nonFinitePlaces)
+        text += fmt::format("not finite: {} at x {}, y {}: a {}, b {}\n", place.channel, place.x, place.y,
+                            place.a, place.b);
+    if (comparison.alignment) text += describeAlignment(*comparison.alignment);
+    if (comparison.noise) text += describeNoise(*comparison.noise);
+    for (const LimitCheck& check : comparison.checks)
+        text += fmt::format("limit: {}: {} {} (limit {}{:.9g}): {}\n", check.where, check.metric,
+                            number(check.value), check.atLeast ? "at least " : "", check.limit,
+                            check.passed ? "kept" : "broken");
+    return text + describeVerdict(comparison, colored);
+}
+
+std::string textSummary(std::size_t pairs, std::size_t differing, std::size_t unreadable) {
+    return fmt::format("{} pairs: {} pass, {} differ, {} without a verdict\n", pairs,
+                       pairs - differing - unreadable, differing, unreadable);
+}
+
+} // namespace rt
