@@ -14,7 +14,8 @@
 namespace rt {
 namespace {
 
-static_assert(kCameraPerspective == kPerspectiveView && kCameraOrthographic == kOrthographicView);
+static_assert(kCameraPerspective == kPerspectiveView && kCameraOrthographic == kOrthographicView &&
+              kCameraPanorama == kPanoramaView);
 
 constexpr double kMargin = 1.06;    // of the picture round the scene
 constexpr double kLeastSine = 1e-6; // between the view and up
@@ -147,7 +148,7 @@ CameraRequest withNamedCamera(const CameraRequest& request, std::span<const Name
         if (perspective && !filled.lensRadius) filled.lensRadius = named->lensRadius;
         if (perspective && !filled.focusDistance && named->lensRadius > 0.0)
             filled.focusDistance = named->focusDistance;
-    } else if (!filled.height) {
+    } else if (named->kind == kCameraOrthographic && !filled.height) {
         filled.height = named->height;
     }
     return filled;

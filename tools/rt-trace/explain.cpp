@@ -21,9 +21,22 @@ std::string total(const std::vector<SectionUse>& uses, bool uploaded) {
     return fmt::format("{} bytes {}", bytes, uploaded ? "uploaded" : "skipped");
 }
 
+std::string extentOf(const NamedCamera& camera) {
+    if (camera.kind == kCameraPerspective) return fmt::format("  fov {:g}", camera.fovDegrees);
+    return camera.kind == kCameraOrthographic ? fmt::format("  height {:g}", camera.height) : "";
+}
+
+std::string framesOf(std::size_t camera, std::span<const CameraKey> keys) {
+    const auto isOurs = [=](const CameraKey& key) { return key.camera == camera; };
+    const auto first = std::find_if(keys.begin(), keys.end(), isOurs);
+    if (first == keys.end()) return "";
+    const auto last = std::find_if(keys.rbegin(), keys.rend(), isOurs);
+    return fmt::format("  frames {:g}-{:g}", first->frame, last->frame);
+}
+
 } // namespace
 
-std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan) {
+std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment) {
     const bool render = plan.kind == ShaderKind::Render;
     const bool images = render && plan.features.hasTextures;
     std::vector<SectionUse> uses = {{"voxels", atlas.voxels.size_bytes(), true}};
@@ -40,15 +53,17 @@ std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan
     uses.push_back({"lights", atlas.lights.size_bytes(), render && plan.features.lightCount > 0});
     uses.push_back({"images", atlas.images.size_bytes(), images});
     uses.push_back({"pages", atlas.pages.size_bytes(), images});
+    uses.push_back(
+        {"environment", atlas.environment.size_bytes(), plan.features.hasEnvironment && ownEnvironment});
     std::erase_if(uses, [](const SectionUse& use) { return use.bytes == 0; });
     return uses;
 }
 
-std::string explanation(const Atlas& atlas, const ResourcePlan& plan) {
+std::string explanation(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment) {
     std::string text = "What the shader is compiled for; 0 leaves code out, other values come from:\n";
     for (const FeatureRow& row : featureTable())
         text += fmt::format("  {:<24}{:>3}  {}\n", row.macro, plan.features.*row.field, row.reason);
-    const std::vector<SectionUse> uses = sectionUses(atlas, plan);
+    const std::vector<SectionUse> uses = sectionUses(atlas, plan, ownEnvironment);
     text += "Parts of the atlas:\n";
     for (const SectionUse& use : uses)
         text += fmt::format("  {:<18}{:>14} bytes  {}\n", use.name, use.bytes,
@@ -56,16 +71,14 @@ std::string explanation(const Atlas& atlas, const ResourcePlan& plan) {
     return text + fmt::format("  {}, {}\n", total(uses, true), total(uses, false));
 }
 
-std::string cameraList(std::span<const NamedCamera> cameras) {
+std::string cameraList(const Atlas& atlas) {
     std::string text;
-    for (const NamedCamera& camera : cameras) {
-        const bool perspective = camera.kind == kCameraPerspective;
-        text += fmt::format("{}  {}  {}  eye {:g},{:g},{:g}  look-at {:g},{:g},{:g}\n", nameOf(camera),
-                            viewName(camera.kind),
-                            perspective ? fmt::format("fov {:g}", camera.fovDegrees)
-                                        : fmt::format("height {:g}", camera.height),
-                            camera.eye[0], camera.eye[1], camera.eye[2], camera.lookAt[0], camera.lookAt[1],
-                            camera.lookAt[2]);
+    for (std::size_t i = 0; i < atlas.cameras.size(); ++i) {
+        const NamedCamera& camera = atlas.cameras[i];
+        text +=
+            fmt::format("{}  {}{}  eye {:g},{:g},{:g}  look-at {:g},{:g},{:g}{}\n", nameOf(camera),
+                        viewName(camera.kind), extentOf(camera), camera.eye[0], camera.eye[1], camera.eye[2],
+                        camera.lookAt[0], camera.lookAt[1], camera.lookAt[2], framesOf(i, atlas.cameraKeys));
     }
     return text;
 }

@@ -11,13 +11,15 @@ struct SectionUse {
     bool uploaded = false;
 };
 
-/// Every array of the atlas, as it is used by variants of this plan.
-std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan);
+/// Every array of the atlas, as it is used by variants of this plan. `ownEnvironment`: no other one takes the
+/// place of the atlas'.
+std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment);
 
 /// Text for people: each feature with its value and what it comes from, then each part of the atlas.
-std::string explanation(const Atlas& atlas, const ResourcePlan& plan);
+std::string explanation(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment);
 
-/// The atlas' cameras, one a line: name, kind and where they stand. Empty if there are none.
-std::string cameraList(std::span<const NamedCamera> cameras);
+/// The atlas' cameras, one a line: name, kind, where they stand, and the frames of their paths. Empty if
+/// there are none.
+std::string cameraList(const Atlas& atlas);
 
 } // namespace rt

@@ -28,7 +28,7 @@ void printDevices() {
 void printCameras(const std::string& path) {
     const rt::AtlasFile file = rt::readAtlas(path);
     if (file.atlas.cameras.empty()) rt::logInfo(path + ": has no cameras");
-    rt::writeFile("-", rt::cameraList(file.atlas.cameras));
+    rt::writeFile("-", rt::cameraList(file.atlas));
 }
 
 int body(int argc, const char* const* argv) {

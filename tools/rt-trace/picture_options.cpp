@@ -164,7 +164,7 @@ void addCameraOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
             ->type_name("DIST"),
         app.add_option("--camera-path", options.cameraPath,
                        "Cameras for --frames: a JSON array of {frame, eye, lookAt, up, fov}, with straight "
-                       "lines between its frames")
+                       "lines between its frames; else the path of the scene's --camera")
             ->type_name("FILE"),
     };
     for (CLI::Option* option : added) option->group(kCameraGroup);
@@ -178,27 +178,27 @@ void addLightOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts) 
                "at the scene's centre a radiance of 0.9")
             ->type_name("X,Y,Z[,R,G,B]"),
         app.add_option("--ambient", texts.ambient,
-                       "Light from everywhere; else 0.1, or none with --environment")
+                       "Light from everywhere; else 0.1, or none with an environment")
             ->type_name("G|R,G,B"),
         app.add_option("--occlusion", options.occlusion,
                        "Surfaces nearer than this hide ambient light; 0 = none does")
             ->check(notNegative())
             ->type_name("DIST")
             ->capture_default_str(),
-        app.add_option("--background", texts.background, "Radiance behind the scene")
-            ->type_name("G|R,G,B")
-            ->capture_default_str(),
+        app.add_option("--background", texts.background,
+                       "Radiance behind the scene; else the scene's, or 0.32,0.4,0.5")
+            ->type_name("G|R,G,B"),
         app.add_option("--environment", options.environment,
                        "Light from far away on all sides, and what is seen there: a picture of 360 by 180 "
-                       "degrees, .exr or .hdr, or one colour")
+                       "degrees, .exr or .hdr, or one colour; else the scene's, if it has one")
             ->type_name("FILE|G|R,G,B"),
-        app.add_option("--environment-turn", options.environmentTurn, "Turns it about the scene's +y")
-            ->type_name("DEG")
-            ->capture_default_str(),
-        app.add_option("--environment-strength", options.environmentStrength, "Makes it brighter or darker")
+        app.add_option("--environment-turn", options.environmentTurn,
+                       "Turns it about the scene's +y; else as the scene says of its own, or 0")
+            ->type_name("DEG"),
+        app.add_option("--environment-strength", options.environmentStrength,
+                       "Makes it brighter or darker; else as the scene says of its own, or 1")
             ->check(notNegative())
-            ->type_name("X")
-            ->capture_default_str(),
+            ->type_name("X"),
         app.add_option("--max-depth", options.maxDepth, "Reflections and refractions in a row")
             ->check(numberBetween(0, 16))
             ->type_name("N")
@@ -269,10 +269,9 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts)
         app.add_option("--heat-max", options.heatMost, "What --heat shows in yellow; else the picture's most")
             ->check(positive())
             ->type_name("N"),
-        app.add_option(
-               "--frames", texts.frames,
-               "A picture for each of these frames of --camera-path; outputs have %d or %04d in their "
-               "name")
+        app.add_option("--frames", texts.frames,
+                       "A picture for each of these frames of --camera-path, or of the path that the scene's "
+                       "--camera has; outputs have %d or %04d in their name")
             ->type_name("A-B"),
         app.add_flag("--reproducible", options.reproducible, "Leave times out of the picture's attributes"),
     };
@@ -292,13 +291,16 @@ void convertSamples(const PictureTexts& texts, TraceOptions& options) {
 }
 
 void checkFrames(const TraceOptions& options) {
-    if (options.frames.has_value() != !options.cameraPath.empty())
-        throwUsage("--frames and --camera-path go together");
-    if (!options.frames) return;
     const CameraRequest& camera = options.camera;
-    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees || !camera.name.empty())
-        throwUsage(
-            "--camera, --eye, --look-at, --up and --fov do not go with --camera-path, which says that");
+    const bool hasPath = !options.cameraPath.empty();
+    if (hasPath && (!options.frames || !camera.name.empty()))
+        throwUsage(options.frames ? "--camera and --camera-path do not go together: each is a path"
+                                  : "--frames and --camera-path go together");
+    if (!options.frames) return;
+    if (!hasPath && camera.name.empty())
+        throwUsage("--frames needs --camera-path, or --camera and a scene in which that camera has a path");
+    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees)
+        throwUsage("--eye, --look-at, --up and --fov do not go with --frames: the camera's path says that");
     if (!options.checkpointPath.empty() || !options.resumePath.empty())
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
     for (const std::string& path : options.outputPaths)
@@ -336,16 +338,16 @@ void convertPictureTexts(const PictureTexts& texts, TraceOptions& options) {
     if (!texts.up.empty()) camera.up = parsePoint(texts.up, "--up");
     for (const unsigned view : {kPerspectiveView, kOrthographicView, kPanoramaView})
         if (texts.view == viewName(view)) camera.view = view;
-    const char* const usual = options.environment.empty() ? "0.1" : "0";
-    options.ambient = parseColor(texts.ambient.empty() ? usual : texts.ambient, "--ambient");
-    options.background = parseColor(texts.background, "--background");
+    if (!texts.ambient.empty()) options.ambient = parseColor(texts.ambient, "--ambient");
+    if (!texts.background.empty()) options.background = parseColor(texts.background, "--background");
     if (!options.environment.empty()) checkEnvironment(options.environment);
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
     convertSamples(texts, options);
     options.toneMap = static_cast<ToneMap>(indexIn(kToneMapNames, texts.toneMap));
     if (!texts.heat.empty()) options.heat = texts.heat == "steps" ? Heat::Steps : Heat::Tests;
-    for (const double number : {options.environmentTurn, options.environmentStrength, options.exposureStops,
-                                options.occlusion, options.timeLimitSeconds, options.targetError})
+    for (const double number :
+         {options.environmentTurn.value_or(0.0), options.environmentStrength.value_or(1.0),
+          options.exposureStops, options.occlusion, options.timeLimitSeconds, options.targetError})
         if (!std::isfinite(number)) throwUsage("'nan' and 'inf' are no numbers for an option");
     if (options.heatMost > 0.0 && options.heat == Heat::None) throwUsage("--heat-max needs --heat");
     if (!texts.frames.empty()) options.frames = parseFrames(texts.frames);

@@ -15,7 +15,7 @@ struct PictureTexts {
     std::string size = "512x512";
     std::string crop;
     std::string ambient;
-    std::string background = "0.32,0.4,0.5";
+    std::string background;
     std::string view;
     std::string eye, lookAt, up;
     std::vector<std::string> lights;

@@ -25,9 +25,9 @@ nlohmann::json samplesToJson(const TraceOptions& options, const Picture& picture
             {"tilesStoppedByError", picture.figures.tilesStopped}};
 }
 
-nlohmann::json sectionsToJson(const GpuScene& scene) {
+nlohmann::json sectionsToJson(const GpuScene& scene, const TraceOptions& options) {
     nlohmann::json sections = nlohmann::json::array();
-    for (const SectionUse& use : sectionUses(scene.file.atlas, scene.plan))
+    for (const SectionUse& use : sectionUses(scene.file.atlas, scene.plan, options.environment.empty()))
         sections.push_back({{"name", use.name}, {"bytes", use.bytes}, {"uploaded", use.uploaded}});
     return sections;
 }
@@ -59,7 +59,7 @@ void reportPicture(const Picture& picture, const TraceOptions& options, const Gp
     report["gpuMs"] = picture.figures.gpuMs;
     report["earlierGpuMs"] = picture.earlierMs;
     report["samples"] = samplesToJson(options, picture);
-    report["sections"] = sectionsToJson(scene);
+    report["sections"] = sectionsToJson(scene, options);
     if (options.heat != Heat::None) report["heatMost"] = picture.heatMost;
     if (options.frames) report["frames"] = {options.frames->first, options.frames->last};
     if (picture.work) {

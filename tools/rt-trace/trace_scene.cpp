@@ -33,8 +33,9 @@ void checkPath(const TraceOptions& options, const std::vector<CameraKey>& path) 
     for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) try {
             placeCamera(cameraAt(path, frame, options.camera), {glm::dvec3(-1.0), glm::dvec3(1.0)}, 1.0);
         } catch (const Error& error) {
+            const std::string& source = options.cameraPath.empty() ? options.scenePath : options.cameraPath;
             throw Error(ErrorKind::InvalidContent,
-                        fmt::format("{}: frame {}: {}", options.cameraPath, frame, error.what()));
+                        fmt::format("{}: frame {}: {}", source, frame, error.what()));
         }
 }
 
@@ -54,7 +55,9 @@ std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, con
                                                 const GpuScene& scene) {
     if (setup.environment.pixels.empty()) return std::nullopt;
     std::optional<GpuEnvironment> environment;
-    environment.emplace(setup.environment, scene.context->limits(), options.environment);
+    const bool isOwn = options.environment.empty();
+    environment.emplace(setup.environment, scene.context->limits(),
+                        isOwn ? options.scenePath + "'s environment" : options.environment);
     environment->bind();
     return environment;
 }
@@ -65,18 +68,22 @@ void traceScene(const TraceOptions& given) {
     StageTimer stages;
     TraceOptions options = given;
     std::vector<CameraKey> path;
-    if (options.frames) {
-        path = readCameraPath(options.cameraPath);
+    const auto startPath = [&](std::vector<CameraKey> keys) {
+        path = std::move(keys);
         checkPath(options, path);
         options.camera = cameraAt(path, options.frames->first, options.camera);
-    }
+    };
+    if (options.frames && !options.cameraPath.empty()) startPath(readCameraPath(options.cameraPath));
     PictureSetup setup;
     const auto choose = [&](const Atlas& atlas, const GlLimits&) -> SceneNeeds {
+        if (options.frames && path.empty())
+            startPath(pathOfCamera(options.camera.name, atlas.cameras, atlas.cameraKeys));
         setup = setUpPicture(options, atlas);
         return {renderFeatures(atlas, needsOf(options, setup)), static_cast<unsigned>(setup.lights.size())};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
-    if (options.explain) writeFile("-", explanation(scene.file.atlas, scene.plan));
+    if (options.explain)
+        writeFile("-", explanation(scene.file.atlas, scene.plan, options.environment.empty()));
     if (options.outputPaths.empty()) return;
     const std::optional<GpuEnvironment> environment = uploadEnvironment(options, setup, scene);
     if (options.frames)
