@@ -1,35 +1,36 @@
 #include "tools/rt-import/import_model.h"
 
+#include "common/error.h"
 #include "common/stage_timer.h"
+#include "tools/rt-import/assimp_glm.h"
 #include "tools/rt-import/load_images.h"
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/open_model.h"
+#include "tools/rt-import/place_scenery.h"
 #include "tools/rt-import/read_cameras.h"
 #include "tools/rt-import/read_gltf_extras.h"
 #include "tools/rt-import/read_lights.h"
 #include "tools/rt-import/read_scene.h"
 #include "tools/rt-import/repair_mesh.h"
+#include "tools/rt-import/scene_description.h"
+#include "tools/rt-import/scene_parts.h"
 #include "tools/rt-import/weld_vertices.h"
 
 #include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace rt {
 namespace {
 
-// All that is taken from the file, so that the library's own copy of it can be freed before the mesh is
-// built.
-struct SceneParts {
-    SceneSoup soup;
-    std::vector<Material> materials;
-    std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `materials`
-    LoadedImages images;
-    std::vector<Light> lights;
-    std::vector<NamedCamera> cameras;
-};
-
-Bounds boundsOf(const SceneSoup& soup) {
+// Of the model's own space.
+Bounds boundsOf(const aiScene& scene) {
     Bounds bounds;
-    for (const glm::vec3& position : soup.positions) bounds.add(position);
+    for (const MeshInstance& instance : listInstances(scene, {glm::dmat4(1.0)}))
+        for (unsigned v = 0; v < instance.mesh->mNumVertices; ++v)
+            bounds.add(
+                glm::vec3(instance.worldFromMesh * glm::dvec4(vec3Of(instance.mesh->mVertices[v]), 1.0)));
     return bounds;
 }
 
@@ -42,62 +43,157 @@ SpotAngles spotAnglesOf(const std::string& path) {
     return lowerExtension(path) == "3ds" ? SpotAngles::AcrossCone : SpotAngles::FromAxis;
 }
 
-// Fills `parts` with the materials that triangles use and their images. What they want of the vertices is
-// returned.
-SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
-                          ModelFolder& folder, std::vector<std::string>& warnings, SceneParts& parts) {
-    SoupOptions wanted;
-    wanted.uvChannel.assign(used.size(), 0);
-    wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
-    parts.slotOf.assign(used.size(), 0);
-    std::vector<MaterialSource> sources;
-    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
-        if (!used[m]) continue;
-        parts.slotOf[m] = static_cast<std::uint32_t>(sources.size());
-        const auto extra = extras.materials.find(m);
-        sources.push_back(readMaterial(*scene.mMaterials[m],
-                                       extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second,
-                                       warnings));
-        for (const auto& texture : sources.back().textures) {
-            if (!texture) continue;
-            wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
-            wanted.uvTransform[m] = texture->uvTransform;
+// The overrides of a scene, and which of them changed something.
+struct Overrides {
+    std::vector<MaterialOverride> all;
+    std::vector<bool> matched;
+
+    void apply(const std::vector<std::uint32_t>& indices, MaterialSource& material) {
+        for (const std::uint32_t index : indices) {
+            if (!matches(all[index].pattern, material.name)) continue;
+            applyOverride(all[index], material);
+            matched[index] = true;
         }
     }
-    parts.images = loadImages(scene, sources, folder, warnings);
-    wanted.texcoords = !parts.images.images.empty();
-    for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
-    return wanted;
-}
+};
 
-SceneParts readParts(const std::string& path, ModelFolder& folder, ImportReport& report, StageTimer& timer) {
-    timer.begin("read");
-    const OpenModel model(path, folder, report.warnings);
-    const aiScene& scene = model.scene();
-    const std::vector<MeshInstance> instances = listInstances(scene);
+class SceneReader {
+public:
+    SceneReader(const SceneDescription& scene, ImportReport& report, StageTimer& timer)
+        : overrides_{scene.overrides, std::vector<bool>(scene.overrides.size())}, report_(report),
+          timer_(timer), namesModels_(scene.models.size() > 1 || !scene.filesRead.empty()) {}
 
-    timer.begin("materials");
-    SceneParts parts;
-    const GltfExtras extras = readGltfExtras(path, scene, report.warnings);
-    const std::vector<bool> used = findUsedMaterials(scene, instances, path);
-    SoupOptions wanted = readMaterials(scene, used, extras, folder, report.warnings, parts);
-    wanted.normals = hasOwnNormals(path);
+    void add(const PlacedModel& model) {
+        ModelFolder folder(model.path, model.folders);
+        std::vector<std::string> warnings;
+        append(readParts(model, folder, warnings), whole, model.path);
+        for (const std::string& warning : warnings)
+            report_.warnings.push_back(namesModels_ ? model.path + ": " + warning : warning);
+        for (const std::string& file : folder.filesRead())
+            if (std::find(filesRead.begin(), filesRead.end(), file) == filesRead.end())
+                filesRead.push_back(file);
+    }
 
-    timer.begin("soup");
-    parts.soup = readSoup(scene, instances, wanted, path);
-    parts.lights = readLights(scene, extras.lightNodes, boundsOf(parts.soup).centre(), spotAnglesOf(path),
-                              report.warnings);
-    parts.cameras = readCameras(scene, extras.cameraNodes, report.warnings);
-    report.droppedFaces = parts.soup.droppedFaces;
-    return parts;
+    void warnOfUnusedOverrides() {
+        for (std::size_t i = 0; i < overrides_.all.size(); ++i)
+            if (!overrides_.matched[i])
+                report_.warnings.push_back(fmt::format("{}: no material is called '{}'",
+                                                       overrides_.all[i].place, overrides_.all[i].pattern));
+    }
+
+    SceneParts whole;
+    std::vector<std::string> filesRead;
+
+private:
+    SceneParts readParts(const PlacedModel& model, ModelFolder& folder, std::vector<std::string>& warnings) {
+        timer_.begin("read");
+        const OpenModel opened(model.path, folder, warnings);
+        const aiScene& scene = opened.scene();
+        const std::vector<MeshInstance> instances = listInstances(scene, model.placements);
+
+        timer_.begin("materials");
+        SceneParts parts;
+        std::vector<std::uint32_t> slotOf;
+        const GltfExtras extras = readGltfExtras(model.path, scene, warnings);
+        const std::vector<bool> used = findUsedMaterials(scene, instances, model.path);
+        SoupOptions wanted = readMaterials(scene, used, extras, model, folder, warnings, parts, slotOf);
+        wanted.normals = hasOwnNormals(model.path);
+
+        timer_.begin("soup");
+        parts.soup = readSoup(scene, instances, wanted, model.path);
+        for (std::uint32_t& material : parts.soup.triangleMaterial) material = slotOf[material];
+        if (model.lights) addLights(scene, extras, model, parts, warnings);
+        if (model.cameras)
+            for (const NamedCamera& camera : readCameras(scene, extras.cameraNodes, warnings))
+                for (const glm::dmat4& placement : model.placements)
+                    parts.cameras.push_back(placed(camera, placement));
+        return parts;
+    }
+
+    // Fills `parts` with the materials that triangles use and their images, and `slotOf` with the numbers
+    // that the scene's materials have there. What they want of the vertices is returned.
+    SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
+                              const PlacedModel& model, ModelFolder& folder,
+                              std::vector<std::string>& warnings, SceneParts& parts,
+                              std::vector<std::uint32_t>& slotOf) {
+        SoupOptions wanted;
+        wanted.uvChannel.assign(used.size(), 0);
+        wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
+        slotOf.assign(used.size(), 0);
+        std::vector<MaterialSource> sources;
+        for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+            if (!used[m]) continue;
+            slotOf[m] = static_cast<std::uint32_t>(sources.size());
+            const auto extra = extras.materials.find(m);
+            sources.push_back(readMaterial(
+                *scene.mMaterials[m], extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second,
+                warnings));
+            overrides_.apply(model.overrides, sources.back());
+            for (const auto& texture : sources.back().textures) {
+                if (!texture) continue;
+                wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
+                wanted.uvTransform[m] = texture->uvTransform;
+            }
+        }
+        parts.images = loadImages(scene, sources, folder, warnings);
+        wanted.texcoords = !parts.images.images.empty();
+        for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
+        return wanted;
+    }
+
+    void addLights(const aiScene& scene, const GltfExtras& extras, const PlacedModel& model,
+                   SceneParts& parts, std::vector<std::string>& warnings) {
+        if (scene.mNumLights == 0) return;
+        for (const Light& light : readLights(scene, extras.lightNodes, boundsOf(scene).centre(),
+                                             spotAnglesOf(model.path), warnings))
+            for (const glm::dmat4& placement : model.placements)
+                parts.lights.push_back(placed(light, placement));
+    }
+
+    Overrides overrides_;
+    ImportReport& report_;
+    StageTimer& timer_;
+    bool namesModels_; // in warnings
+};
+
+void addDescribed(SceneDescription& scene, const SceneParts& parts, Mesh& mesh) {
+    std::vector<Light> lights = parts.lights;
+    lights.insert(lights.end(), scene.lights.begin(), scene.lights.end());
+    std::vector<NamedCamera> cameras = parts.cameras;
+    std::vector<CameraKey> keys;
+    for (const DescribedCamera& described : scene.cameras) {
+        for (CameraKey key : described.path) {
+            key.camera = static_cast<std::uint32_t>(cameras.size());
+            keys.push_back(key);
+        }
+        cameras.push_back(described.camera);
+    }
+    makeNamesUnique(cameras);
+    mesh.lights = std::move(lights);
+    mesh.cameras = std::move(cameras);
+    mesh.cameraKeys = std::move(keys);
+    if (scene.surroundings.hasBackground || scene.hasEnvironment)
+        mesh.surroundings = std::vector<Surroundings>{scene.surroundings};
+    mesh.environment = std::move(scene.environment.pixels);
 }
 
 } // namespace
 
-ImportedModel importModel(const std::string& path, double creaseDegrees, StageTimer& timer) {
+ImportedModel importScene(const SceneSources& sources, double creaseDegrees, StageTimer& timer) {
     ImportedModel result;
-    ModelFolder folder(path);
-    SceneParts parts = readParts(path, folder, result.report, timer);
+    timer.begin("describe");
+    SceneDescription scene = describeScene(sources.inputs, sources.roots);
+    result.report.warnings = scene.warnings;
+    SceneReader reader(scene, result.report, timer);
+    for (const PlacedModel& model : scene.models) reader.add(model);
+    reader.warnOfUnusedOverrides();
+    SceneParts& parts = reader.whole;
+    const std::string name = fmt::format("{}", fmt::join(sources.inputs, ", "));
+    if (parts.soup.triangles.empty())
+        throw Error(ErrorKind::InvalidContent, name + ": has no triangles; nothing could be seen");
+    if (scene.models.size() > 1)
+        requireFiniteWorld(parts.soup, name); // each of them is, but are they together?
+    result.report.droppedFaces = parts.soup.droppedFaces;
 
     timer.begin("repair");
     const Weld weld = weldPositions(parts.soup);
@@ -111,17 +207,20 @@ ImportedModel importModel(const std::string& path, double creaseDegrees, StageTi
     timer.begin("merge");
     Mesh& mesh = result.mesh;
     mesh = mergeCorners(parts.soup, weld, surface.cornerNormals);
-    for (std::uint32_t& material : parts.soup.triangleMaterial) material = parts.slotOf[material];
     mesh.triangleMaterial = std::move(parts.soup.triangleMaterial);
     mesh.materials = std::move(parts.materials);
-    mesh.lights = std::move(parts.lights);
-    mesh.cameras = std::move(parts.cameras);
     mesh.images = std::move(parts.images.images);
     mesh.pixels = std::move(parts.images.pixels);
-    validate(mesh, path);
+    addDescribed(scene, parts, mesh);
+    validate(mesh, name);
     timer.end();
-    result.filesRead = folder.filesRead();
+    result.filesRead = std::move(scene.filesRead);
+    result.filesRead.insert(result.filesRead.end(), reader.filesRead.begin(), reader.filesRead.end());
     return result;
+}
+
+ImportedModel importModel(const std::string& path, double creaseDegrees, StageTimer& timer) {
+    return importScene({{path}, {}}, creaseDegrees, timer);
 }
 
 } // namespace rt

@@ -7,16 +7,27 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace rt {
 
 bool parseImportOptions(int argc, const char* const* argv, ImportOptions& options) {
-    CLI::App app("Reads a model (" + readableFormats() + ") into a .rtmesh", "rt-import");
-    app.add_option("MODEL", options.modelPath,
-                   "Model file, not standard input: its textures are looked for in its folder")
+    CLI::App app("Reads models (" + readableFormats() + ") and scene files (*.scene.json) into one .rtmesh",
+                 "rt-import");
+    app.add_option(
+           "INPUT", options.sources.inputs,
+           "Models and scene files (*.scene.json), merged in this order; not standard input: textures are "
+           "looked for beside them")
         ->required()
         ->type_name("FILE");
+    app.add_option(
+           "--texture-root", options.sources.roots,
+           "Another folder, repeatable, in which the files that inputs name may lie: textures, and models "
+           "and environments of scene files")
+        ->allow_extra_args(false)
+        ->type_name("DIR");
     app.add_option("-o,--output", options.outputPath, "Mesh to write; - for standard output")
         ->required()
         ->type_name("FILE");
@@ -30,13 +41,17 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     if (!parseCommandLine(app, argc, argv, options.common)) return false;
 
     if (std::isnan(options.creaseDegrees)) throw Error(ErrorKind::Usage, "--crease: nan is not an angle");
-    if (options.modelPath == "-")
+    const std::vector<std::string>& inputs = options.sources.inputs;
+    if (std::find(inputs.begin(), inputs.end(), "-") != inputs.end())
         throw Error(ErrorKind::Usage,
                     "-: a model cannot come from standard input, since its textures are looked "
                     "for in its folder; name a file (./- for one called -)");
     if (options.outputPath == "-" && !options.common.depfilePath.empty())
         throw Error(ErrorKind::Usage, "--depfile needs an output file to speak of; -o is -");
-    requireDistinctPaths({options.modelPath}, outputsOf(options));
+    for (const std::string& root : options.sources.roots)
+        if (!std::filesystem::is_directory(root))
+            throw Error(ErrorKind::FileAccess, fmt::format("--texture-root {}: is no folder", root));
+    requireDistinctPaths(inputs, outputsOf(options));
     return true;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "common/command_line.h"
+#include "tools/rt-import/import_model.h"
 
 #include <string>
 #include <vector>
@@ -8,7 +9,7 @@ namespace rt {
 
 struct ImportOptions {
     CommonOptions common;
-    std::string modelPath;
+    SceneSources sources;
     std::string outputPath;
     double creaseDegrees = 45.0;
 };

@@ -18,7 +18,8 @@ std::uint64_t byteCount(const Mesh& mesh) {
     return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.texcoords.size_bytes() +
            mesh.triangles.size_bytes() + mesh.triangleMaterial.size_bytes() + mesh.materials.size_bytes() +
            mesh.lights.size_bytes() + mesh.cameras.size_bytes() + mesh.images.size_bytes() +
-           mesh.pixels.size_bytes();
+           mesh.pixels.size_bytes() + mesh.cameraKeys.size_bytes() + mesh.surroundings.size_bytes() +
+           mesh.environment.size_bytes();
 }
 
 nlohmann::json toJson(const ImportReport& report, const Mesh& mesh, const StageTimer& timer) {

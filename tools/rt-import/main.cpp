@@ -28,9 +28,10 @@ int run(int argc, const char* const* argv) {
     if (!parseImportOptions(argc, argv, options)) return 0;
     const std::vector<std::string> outputs = outputsOf(options);
     for (const std::string& path : outputs) requireWritable(path);
-    if (const std::optional<int> exitCode = forkGuarded(options.modelPath)) return *exitCode;
+    const std::string inputs = fmt::format("{}", fmt::join(options.sources.inputs, ", "));
+    if (const std::optional<int> exitCode = forkGuarded(inputs)) return *exitCode;
     StageTimer timer;
-    const ImportedModel model = importModel(options.modelPath, options.creaseDegrees, timer);
+    const ImportedModel model = importScene(options.sources, options.creaseDegrees, timer);
     requireDistinctPaths(model.filesRead, outputs); // textures and libraries count as inputs too
     timer.begin("write");
     writeMesh(options.outputPath, model.mesh);
@@ -39,7 +40,7 @@ int run(int argc, const char* const* argv) {
         writeDepfile(options.common.depfilePath, options.outputPath, model.filesRead);
     if (!options.common.jsonPath.empty())
         writeJson(options.common.jsonPath, toJson(model.report, model.mesh, timer));
-    logSummary(options.modelPath, model, timer);
+    logSummary(inputs, model, timer);
     return 0;
 }
 

@@ -3,6 +3,7 @@
 #include "formats/mesh.h"
 
 #include "tools/rt-import/assimp_glm.h"
+#include "tools/rt-import/place_scenery.h"
 
 #include <assimp/light.h>
 #include <assimp/scene.h>
@@ -37,19 +38,12 @@ void setCone(const aiLight& source, SpotAngles angles, Light& light) {
     light.edgeU.w = std::max(std::cos(inner), light.direction.w);
 }
 
-// A transform may skew the rectangle to a parallelogram; the second edge is then set upright, which keeps the
-// area.
 void setRectangle(const aiLight& source, const glm::dmat3& linear, Light& light) {
     const glm::dvec3 normal(vec3Of(source.mDirection)), up(vec3Of(source.mUp));
-    const glm::dvec3 u =
-        linear * (glm::normalize(glm::cross(normal, up)) * (0.5 * static_cast<double>(source.mSize.x)));
-    const glm::dvec3 skewed = linear * (glm::normalize(glm::cross(glm::cross(normal, up), normal)) *
-                                        (0.5 * static_cast<double>(source.mSize.y)));
-    const glm::dvec3 v = skewed - u * (glm::dot(skewed, u) / glm::dot(u, u));
-    const glm::dvec3 across = glm::cross(u, v);
-    light.direction = vec4(unitVector(glm::dot(across, linear * normal) < 0.0 ? -across : across), 0.0f);
-    light.edgeU = vec4(vec3(u), 0.0f);
-    light.edgeV = vec4(vec3(v), 0.0f);
+    const glm::dvec3 across = glm::cross(normal, up);
+    setRectangle(glm::normalize(across) * (0.5 * static_cast<double>(source.mSize.x)),
+                 glm::normalize(glm::cross(across, normal)) * (0.5 * static_cast<double>(source.mSize.y)),
+                 normal, linear, light);
 }
 
 std::optional<std::uint32_t> kindOf(const aiLight& light) {

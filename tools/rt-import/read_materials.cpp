@@ -16,8 +16,6 @@ namespace rt {
 namespace {
 
 constexpr float kDefaultGrey = 0.8f;
-constexpr float kGlassIor = 1.5f;
-constexpr float kMaxIor = 100.0f;
 constexpr MaterialKey kGltfUnlit{"$mat.gltf.unlit", 0, 0}; // Assimp names it in a deprecated header only
 
 std::optional<TextureSource>& textureOf(MaterialSource& source, TextureUse use) {
@@ -109,17 +107,6 @@ void readOptics(const aiMaterial& source, MaterialSource& result, std::vector<st
                   numberOr(source, {AI_MATKEY_REFRACTI}, 1.0f));
 }
 
-// The base colour is all that counts; the rest is for renderers that do not know "unlit".
-void keepBaseColorOnly(MaterialSource& result) {
-    const vec4 baseColor = result.material.baseColor;
-    const float cutoff = result.material.transmission.w;
-    result.material = diffuseMaterial(vec3(1.0f));
-    result.material.baseColor = baseColor;
-    result.material.transmission.w = cutoff;
-    result.material.more.y = kMaterialUnlit;
-    for (unsigned use = 1; use < kTextureUses; ++use) result.textures[use].reset();
-}
-
 // Also drops the textures of what is zero anyway.
 void readFactorsOfTextures(const aiMaterial& source, float emissiveStrength, MaterialSource& result) {
     const vec4 color = findColor(source, {AI_MATKEY_COLOR_EMISSIVE}).value_or(vec4(0.0f));
@@ -164,9 +151,7 @@ MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& 
     result.material.reflection.z *= extras.specular;
     readFactorsOfTextures(source, extras.emissiveStrength, result);
     if (findInteger(source, kGltfUnlit).value_or(0) != 0) keepBaseColorOnly(result);
-    const auto& colors = textureOf(result, TextureUse::BaseColor);
-    if (result.material.baseColor.w < 1.0f || (colors && !colors->alphaName.empty()))
-        result.material.more.y |= kMaterialClear;
+    markClear(result);
     for (const TextureUse use : keepOneSetOfCoordinates(result.textures)) {
         dropTexture(result, use);
         lost.push_back(fmt::format("{} texture, which uses other texture coordinates,", nameOf(use)));
@@ -174,6 +159,23 @@ MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& 
     for (const std::string& what : lost)
         warnings.push_back(fmt::format("material '{}': its {} is not carried over", result.name, what));
     return result;
+}
+
+void keepBaseColorOnly(MaterialSource& source) {
+    const vec4 baseColor = source.material.baseColor;
+    const float cutoff = source.material.transmission.w;
+    source.material = diffuseMaterial(vec3(1.0f));
+    source.material.baseColor = baseColor;
+    source.material.transmission.w = cutoff;
+    source.material.more.y = kMaterialUnlit;
+    for (unsigned use = 1; use < kTextureUses; ++use) source.textures[use].reset();
+}
+
+void markClear(MaterialSource& source) {
+    const auto& colors = textureOf(source, TextureUse::BaseColor);
+    const bool clear = source.material.baseColor.w < 1.0f || (colors && !colors->alphaName.empty());
+    source.material.more.y =
+        clear ? source.material.more.y | kMaterialClear : source.material.more.y & ~kMaterialClear;
 }
 
 void dropTexture(MaterialSource& source, TextureUse use) {

@@ -15,9 +15,6 @@
 namespace rt {
 namespace {
 
-// OpenMesh numbers halfedges, up to six for each triangle, with 32-bit integers.
-constexpr std::uint64_t kMaxCount = 1u << 28;
-
 bool isFinite(const aiVector3D& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -69,12 +66,10 @@ void reserve(SceneSoup& soup, const std::vector<MeshInstance>& instances, const 
         triangles += count;
         vertices += instance.mesh->mNumVertices;
     }
-    if (triangles == 0)
-        throw Error(ErrorKind::InvalidContent, path + ": has no triangles; nothing could be seen");
-    if (triangles > kMaxCount || vertices > kMaxCount)
+    if (triangles > kMaxSoupCount || vertices > kMaxSoupCount)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: {} triangles and {} vertices exceed {}; split the scene", path,
-                                triangles, vertices, kMaxCount));
+                                triangles, vertices, kMaxSoupCount));
     soup.positions.reserve(vertices);
     if (options.normals) soup.normals.reserve(vertices);
     if (options.texcoords) soup.texcoords.reserve(vertices);
@@ -127,34 +122,17 @@ void appendTriangles(const aiMesh& mesh, bool mirrored, std::uint32_t firstVerte
     }
 }
 
-void requireFiniteWorld(const SceneSoup& soup, const std::string& path) {
-    Bounds bounds;
-    for (std::size_t v = 0; v < soup.positions.size(); ++v) {
-        const glm::vec3& p = soup.positions[v];
-        if (!isFinite(p))
-            throw Error(ErrorKind::InvalidContent,
-                        fmt::format("{}: vertex {} is ({}, {}, {}) after its node's transform; "
-                                    "scale the scene to smaller coordinates",
-                                    path, v, p.x, p.y, p.z));
-        bounds.add(p);
-    }
-    if (!isFinite(bounds.extent()))
-        throw Error(ErrorKind::InvalidContent,
-                    fmt::format("{}: the scene reaches from {:g} to {:g}, an extent that "
-                                "overflows 32 bits; scale it to smaller coordinates",
-                                path, glm::min(bounds.lo.x, glm::min(bounds.lo.y, bounds.lo.z)),
-                                glm::max(bounds.hi.x, glm::max(bounds.hi.y, bounds.hi.z))));
-}
-
 } // namespace
 
-std::vector<MeshInstance> listInstances(const aiScene& scene) {
+std::vector<MeshInstance> listInstances(const aiScene& scene, const std::vector<glm::dmat4>& placements) {
     struct Pending {
         const aiNode* node;
         glm::dmat4 worldFromParent;
     };
     std::vector<MeshInstance> instances;
-    std::vector<Pending> stack{{scene.mRootNode, glm::dmat4(1.0)}};
+    std::vector<Pending> stack;
+    for (auto placement = placements.rbegin(); placement != placements.rend(); ++placement)
+        stack.push_back({scene.mRootNode, *placement});
     while (!stack.empty()) {
         const Pending top = stack.back();
         stack.pop_back();
@@ -198,6 +176,25 @@ SceneSoup readSoup(const aiScene& scene, const std::vector<MeshInstance>& instan
     }
     requireFiniteWorld(soup, path);
     return soup;
+}
+
+void requireFiniteWorld(const SceneSoup& soup, const std::string& path) {
+    Bounds bounds;
+    for (std::size_t v = 0; v < soup.positions.size(); ++v) {
+        const glm::vec3& p = soup.positions[v];
+        if (!isFinite(p))
+            throw Error(ErrorKind::InvalidContent,
+                        fmt::format("{}: vertex {} is ({}, {}, {}) after its node's transform; "
+                                    "scale the scene to smaller coordinates",
+                                    path, v, p.x, p.y, p.z));
+        bounds.add(p);
+    }
+    if (!soup.positions.empty() && !isFinite(bounds.extent()))
+        throw Error(ErrorKind::InvalidContent,
+                    fmt::format("{}: the scene reaches from {:g} to {:g}, an extent that "
+                                "overflows 32 bits; scale it to smaller coordinates",
+                                path, glm::min(bounds.lo.x, glm::min(bounds.lo.y, bounds.lo.z)),
+                                glm::max(bounds.hi.x, glm::max(bounds.hi.y, bounds.hi.z))));
 }
 
 } // namespace rt

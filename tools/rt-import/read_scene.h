@@ -13,6 +13,9 @@ struct aiScene;
 
 namespace rt {
 
+/// OpenMesh numbers halfedges, up to six for each triangle, with 32-bit integers.
+inline constexpr std::uint64_t kMaxSoupCount = 1u << 28;
+
 /// The triangles of a scene in file order, indexed as the file indexes them.
 struct SceneSoup {
     std::vector<glm::vec3> positions; ///< world space, finite
@@ -30,8 +33,8 @@ struct MeshInstance {
 };
 
 /// Meshes depth first through the nodes, a node's own meshes before its children's: the order of the
-/// triangles.
-std::vector<MeshInstance> listInstances(const aiScene& scene);
+/// triangles. All of them for each of the model's `placements`, one after the other.
+std::vector<MeshInstance> listInstances(const aiScene& scene, const std::vector<glm::dmat4>& placements);
 
 /// For each of the scene's materials, whether any triangle uses it.
 /// Throws Error{InvalidContent}, message prefixed by `path`, for a mesh whose material does not exist.
@@ -47,10 +50,14 @@ struct SoupOptions {
 };
 
 /// Places the instances in the world: positions by their transforms, normals by the inverse transpose,
-/// corners 1 and 2 exchanged where the transform mirrors. Throws Error{InvalidContent} for no triangles,
-/// indices that do not exist and coordinates that are not finite before or after the transform,
-/// Error{LimitExceeded} for more than 2^28 of anything; messages prefixed by `path`.
+/// corners 1 and 2 exchanged where the transform mirrors. Throws Error{InvalidContent} for indices that do
+/// not exist and coordinates that are not finite before or after the transform, Error{LimitExceeded} for more
+/// than 2^28 of anything; messages prefixed by `path`.
 SceneSoup readSoup(const aiScene& scene, const std::vector<MeshInstance>& instances,
                    const SoupOptions& wanted, const std::string& path);
+
+/// Throws Error{InvalidContent}, message prefixed by `path`, unless all positions and their extent are
+/// finite.
+void requireFiniteWorld(const SceneSoup& soup, const std::string& path);
 
 } // namespace rt
