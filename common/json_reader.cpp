@@ -23,7 +23,7 @@ public:
     explicit ParseRules(const std::string& name) : name_(name) {}
 
     bool operator()(int depth, json::parse_event_t event, const json& parsed) {
-        if (depth > static_cast<int>(kMaxJsonDepth))
+        if (depth >= static_cast<int>(kMaxJsonDepth))
             fail(fmt::format("is nested deeper than {}", kMaxJsonDepth));
         if (event == json::parse_event_t::object_start) keys_.emplace_back();
         if (event == json::parse_event_t::object_end) keys_.pop_back();

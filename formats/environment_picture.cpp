@@ -2,7 +2,6 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
-#include "common/log.h"
 #include "formats/image_exr.h"
 #include "formats/image_hdr.h"
 
@@ -24,7 +23,7 @@ std::string extensionOf(const std::string& path) {
 }
 
 // What is no light becomes none.
-void cleanPixels(std::vector<glm::vec3>& pixels, const std::string& path) {
+std::string cleanPixels(std::vector<glm::vec3>& pixels, const std::string& path) {
     std::size_t cleaned = 0;
     for (glm::vec3& pixel : pixels)
         for (int c = 0; c < 3; ++c) {
@@ -32,8 +31,8 @@ void cleanPixels(std::vector<glm::vec3>& pixels, const std::string& path) {
             pixel[c] = 0.0f;
             ++cleaned;
         }
-    if (cleaned > 0)
-        logWarning(fmt::format("{}: {} values are negative or not finite and count as 0", path, cleaned));
+    if (cleaned == 0) return "";
+    return fmt::format("{}: {} values are negative or not finite and count as 0", path, cleaned);
 }
 
 } // namespace
@@ -48,15 +47,15 @@ EnvironmentPicture readEnvironment(const std::string& path) {
     const std::vector<float>& r = colorChannel(image, "R", path).values;
     const std::vector<float>& g = colorChannel(image, "G", path).values;
     const std::vector<float>& b = colorChannel(image, "B", path).values;
-    EnvironmentPicture picture{image.width, image.height, {}};
+    EnvironmentPicture picture{image.width, image.height, {}, ""};
     picture.pixels.reserve(image.pixelCount());
     for (std::size_t i = 0; i < image.pixelCount(); ++i) picture.pixels.emplace_back(r[i], g[i], b[i]);
-    cleanPixels(picture.pixels, path);
+    picture.warning = cleanPixels(picture.pixels, path);
     return picture;
 }
 
 EnvironmentPicture evenEnvironment(const glm::vec3& radiance) {
-    return {2, kColorRows, std::vector<glm::vec3>(2 * kColorRows, radiance)};
+    return {2, kColorRows, std::vector<glm::vec3>(2 * kColorRows, radiance), ""};
 }
 
 } // namespace rt

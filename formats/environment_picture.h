@@ -15,13 +15,14 @@ struct EnvironmentPicture {
     unsigned width = 0;
     unsigned height = 0;
     std::vector<glm::vec3> pixels; ///< radiance, linear RGB, finite and not negative; row by row from the top
+    std::string warning;           ///< of what was no light in its file; empty: nothing
 };
 
 /// Whether a name ends in .exr or .hdr, as an environment's does.
 bool isEnvironmentFile(const std::string& name);
 
 /// From the channels R, G, B or Y of an EXR, or from a Radiance HDR. What is negative or not finite becomes
-/// 0, with a warning. Throws Error{FileAccess}, Error{InvalidContent} or Error{LimitExceeded}.
+/// 0. Throws Error{FileAccess}, Error{InvalidContent} or Error{LimitExceeded}.
 EnvironmentPicture readEnvironment(const std::string& path);
 
 /// The same light from all sides.

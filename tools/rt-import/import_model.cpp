@@ -39,8 +39,9 @@ bool hasOwnNormals(const std::string& path) {
     return lowerExtension(path) != "stl";
 }
 
-SpotAngles spotAnglesOf(const std::string& path) {
-    return lowerExtension(path) == "3ds" ? SpotAngles::AcrossCone : SpotAngles::FromAxis;
+SceneryStyle styleOf(const std::string& path) {
+    const std::string extension = lowerExtension(path);
+    return extension == "gltf" || extension == "glb" ? SceneryStyle::Gltf : SceneryStyle::Classic;
 }
 
 // The overrides of a scene, and which of them changed something.
@@ -104,7 +105,8 @@ private:
         for (std::uint32_t& material : parts.soup.triangleMaterial) material = slotOf[material];
         if (model.lights) addLights(scene, extras, model, parts, warnings);
         if (model.cameras)
-            for (const NamedCamera& camera : readCameras(scene, extras.cameraNodes, warnings))
+            for (const NamedCamera& camera :
+                 readCameras(scene, extras.cameraNodes, styleOf(model.path), warnings))
                 for (const glm::dmat4& placement : model.placements)
                     parts.cameras.push_back(placed(camera, placement));
         return parts;
@@ -144,8 +146,8 @@ private:
     void addLights(const aiScene& scene, const GltfExtras& extras, const PlacedModel& model,
                    SceneParts& parts, std::vector<std::string>& warnings) {
         if (scene.mNumLights == 0) return;
-        for (const Light& light : readLights(scene, extras.lightNodes, boundsOf(scene).centre(),
-                                             spotAnglesOf(model.path), warnings))
+        for (const Light& light :
+             readLights(scene, extras.lightNodes, boundsOf(scene).centre(), styleOf(model.path), warnings))
             for (const glm::dmat4& placement : model.placements)
                 parts.lights.push_back(placed(light, placement));
     }

@@ -35,20 +35,23 @@ void store(const glm::dvec3& from, double (&to)[3]) {
     for (int i = 0; i < 3; ++i) to[i] = from[i];
 }
 
-// glTF alone states a ratio of the sides, and the angle that Assimp gives is then the file's, which is of the
-// height, times that ratio. 3DS has an angle only.
-void setView(const aiCamera& source, NamedCamera& camera) {
+double heightAngle(double angle, double ratio, SceneryStyle style) {
+    return style == SceneryStyle::Gltf ? angle / ratio : 2.0 * std::atan(std::tan(0.5 * angle) / ratio);
+}
+
+void setView(const aiCamera& source, SceneryStyle style, NamedCamera& camera) {
     const double ratio = source.mAspect > 0.0f ? static_cast<double>(source.mAspect) : 1.0;
     if (source.mOrthographicWidth != 0.0f) {
         camera.kind = kCameraOrthographic;
         camera.height = 2.0 * std::abs(static_cast<double>(source.mOrthographicWidth)) / ratio;
     } else {
         camera.kind = kCameraPerspective;
-        camera.fovDegrees = glm::degrees(static_cast<double>(source.mHorizontalFOV) / ratio);
+        camera.fovDegrees =
+            glm::degrees(heightAngle(static_cast<double>(source.mHorizontalFOV), ratio, style));
     }
 }
 
-NamedCamera readCamera(const aiCamera& source, const aiNode* node, const aiNode* owner) {
+NamedCamera readCamera(const aiCamera& source, const aiNode* node, const aiNode* owner, SceneryStyle style) {
     const glm::dmat3 linear(worldFromNode(node));
     const glm::dvec3 eye = worldPosition(node, owner, glm::dvec3(vec3Of(source.mPosition)));
     const glm::dvec3 forward = glm::normalize(linear * glm::dvec3(vec3Of(source.mLookAt)));
@@ -59,13 +62,13 @@ NamedCamera readCamera(const aiCamera& source, const aiNode* node, const aiNode*
     store(eye, camera.eye);
     store(eye + forward, camera.lookAt);
     store(up, camera.up);
-    setView(source, camera);
+    setView(source, style, camera);
     return camera;
 }
 
 } // namespace
 
-std::vector<NamedCamera> readCameras(const aiScene& scene, const NodesByName& nodes,
+std::vector<NamedCamera> readCameras(const aiScene& scene, const NodesByName& nodes, SceneryStyle style,
                                      std::vector<std::string>& warnings) {
     std::vector<NamedCamera> cameras;
     unsigned broken = 0;
@@ -73,7 +76,7 @@ std::vector<NamedCamera> readCameras(const aiScene& scene, const NodesByName& no
         const aiCamera& source = *scene.mCameras[i];
         const aiNode* owner = scene.mRootNode->FindNode(source.mName);
         for (const aiNode* node : nodesOf(source.mName.C_Str(), nodes, scene.mRootNode)) {
-            NamedCamera camera = readCamera(source, node, owner);
+            NamedCamera camera = readCamera(source, node, owner, style);
             setName((node ? node->mName : source.mName).C_Str(), camera);
             const bool valid = isValid(camera);
             if (valid) cameras.push_back(camera);

@@ -9,7 +9,7 @@ namespace rt {
 /// The scene's cameras in the model's space, one for each of their nodes, under the names of their nodes:
 /// clipped to 63 bytes where a character ends, control characters replaced. A camera that is not finite adds
 /// a warning and is left out.
-std::vector<NamedCamera> readCameras(const aiScene& scene, const NodesByName& nodes,
+std::vector<NamedCamera> readCameras(const aiScene& scene, const NodesByName& nodes, SceneryStyle style,
                                      std::vector<std::string>& warnings);
 
 /// Puts ".1", ".2" and so on behind names that were there before.

@@ -96,13 +96,19 @@ void readGltf(const aiMaterial& source, const std::string& alphaMode, MaterialSo
     if (findColor(source, {AI_MATKEY_SHEEN_COLOR_FACTOR})) lost.emplace_back("sheen");
 }
 
+// Of what the reflective colour says where there is one: COLLADA and FBX often name a share of black.
+float readReflectivity(const aiMaterial& source) {
+    const vec4 color = findColor(source, {AI_MATKEY_COLOR_REFLECTIVE}).value_or(vec4(1.0f));
+    return numberOr(source, {AI_MATKEY_REFLECTIVITY}, 0.0f) * std::max({color.r, color.g, color.b});
+}
+
 void readOptics(const aiMaterial& source, MaterialSource& result, std::vector<std::string>& lost) {
     if (const auto illum = findInteger(source, {AI_MATKEY_OBJ_ILLUM}))
         readMtlOptics(source, *illum, result.material);
     else if (const auto alphaMode = findText(source, {AI_MATKEY_GLTF_ALPHAMODE}))
         readGltf(source, *alphaMode, result, lost);
     else
-        setOptics(result.material, numberOr(source, {AI_MATKEY_REFLECTIVITY}, 0.0f),
+        setOptics(result.material, readReflectivity(source),
                   1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f),
                   numberOr(source, {AI_MATKEY_REFRACTI}, 1.0f));
 }

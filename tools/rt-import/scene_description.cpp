@@ -206,6 +206,7 @@ private:
             return;
         }
         result.environment = readEnvironment(*environment, folder, ours, result.filesRead);
+        if (!result.environment.warning.empty()) result.warnings.push_back(result.environment.warning);
         result.hasEnvironment = true;
     }
 
@@ -224,7 +225,9 @@ SceneDescription describeScene(const std::vector<std::string>& inputs,
                                const std::vector<std::string>& roots) {
     Space world;
     const auto first = std::find_if(inputs.begin(), inputs.end(), isSceneFile);
-    if (first != inputs.end()) world.metres = readSpace(JsonNode::read(*first), world).metres;
+    if (first != inputs.end())
+        if (const JsonNode json = JsonNode::read(*first); json.isObject())
+            world.metres = readSpace(json, world).metres;
     Describer describer(roots);
     for (const std::string& input : inputs) describer.addInput(input, world);
     return std::move(describer.result);

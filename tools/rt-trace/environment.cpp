@@ -1,6 +1,7 @@
 #include "tools/rt-trace/environment.h"
 
 #include "common/error.h"
+#include "common/log.h"
 #include "tools/rt-trace/parse_color.h"
 #include "tools/rt-trace/tone_map.h"
 

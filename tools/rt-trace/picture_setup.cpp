@@ -18,7 +18,7 @@ EnvironmentMap environmentOf(const TraceOptions& options, const Atlas& atlas) {
     if (!options.environment.empty()) return loadEnvironment(options.environment);
     if (atlas.environment.empty()) return {};
     const Surroundings& own = atlas.surroundings[0];
-    return mapOf({own.width, own.height, {atlas.environment.begin(), atlas.environment.end()}});
+    return mapOf({own.width, own.height, {atlas.environment.begin(), atlas.environment.end()}, ""});
 }
 
 glm::vec3 backgroundOf(const TraceOptions& options, const Surroundings& own) {
