@@ -316,6 +316,17 @@ TEST_F(SceneFiles, AModelsOwnLightsAndCamerasMoveWithIt) {
     EXPECT_TRUE(bare.cameras.empty());
 }
 
+TEST_F(SceneFiles, LightsThatATransformTakesOutOfRangeAreLeftOut) {
+    write("m.gltf",
+          gltfTriangle(*this, {0, 0, 1}, R"({"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}})",
+                       "{}", R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{
+        "KHR_lights_punctual":{"lights":[{"type":"point","intensity":1e20}]}})"));
+    const ImportedModel model =
+        importText(R"({"models": [{"file": "m.gltf", "transform": {"scale": 1e10}}]})");
+    EXPECT_TRUE(model.mesh.lights.empty());
+    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("1 lights are out of range")));
+}
+
 TEST_F(SceneFiles, SurroundingsComeAlong) {
     Image sky;
     sky.width = 2;

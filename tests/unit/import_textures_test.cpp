@@ -143,6 +143,18 @@ TEST_F(FloatTextures, RadianceIsReadByItsContent) {
     EXPECT_THAT(pixels(mesh), ElementsAre(0xFF89BCFFu));
 }
 
+TEST_F(FloatTextures, OnesInsideTheModelAreReadToo) {
+    // The picture of the test above, in base 64.
+    const std::string material = R"({"emissiveFactor":[1,1,1],"emissiveTexture":{"index":0}})";
+    write("m.gltf", test::gltfTriangle(*this, {0, 0, 1}, R"({"mesh":0})", material,
+                                       R"(,"textures":[{"source":0}],"images":[{"mimeType":"image/png",
+        "uri":"data:image/png;base64,Iz9SQURJQU5DRQpGT1JNQVQ9MzItYml0X3JsZV9yZ2JlCgotWSAxICtYIDEKgEAggg=="}])"));
+    const ImportedModel model = import("m.gltf");
+    EXPECT_THAT(model.report.warnings, IsEmpty());
+    EXPECT_EQ(model.mesh.materials[0].emission, glm::vec4(2, 2, 2, 0));
+    EXPECT_THAT(pixels(model.mesh), ElementsAre(0xFF89BCFFu));
+}
+
 TEST_F(FloatTextures, DamageIsAWarning) {
     writeExr("c.exr", {glm::vec3(1.0f)}, {});
     std::filesystem::resize_file(path("c.exr"), 60);

@@ -46,7 +46,7 @@ SceneryStyle styleOf(const std::string& path) {
 
 // The overrides of a scene, and which of them changed something.
 struct Overrides {
-    std::vector<MaterialOverride> all;
+    const std::vector<MaterialOverride>& all;
     std::vector<bool> matched;
 
     void apply(const std::vector<std::uint32_t>& indices, MaterialSource& material) {
@@ -58,105 +58,109 @@ struct Overrides {
     }
 };
 
-class SceneReader {
-public:
-    SceneReader(const SceneDescription& scene, ImportReport& report, StageTimer& timer)
-        : overrides_{scene.overrides, std::vector<bool>(scene.overrides.size())}, report_(report),
-          timer_(timer), namesModels_(scene.models.size() > 1 || !scene.filesRead.empty()) {}
-
-    void add(const PlacedModel& model) {
-        ModelFolder folder(model.path, model.folders);
-        std::vector<std::string> warnings;
-        append(readParts(model, folder, warnings), whole, model.path);
-        for (const std::string& warning : warnings)
-            report_.warnings.push_back(namesModels_ ? model.path + ": " + warning : warning);
-        for (const std::string& file : folder.filesRead())
-            if (std::find(filesRead.begin(), filesRead.end(), file) == filesRead.end())
-                filesRead.push_back(file);
-    }
-
-    void warnOfUnusedOverrides() {
-        for (std::size_t i = 0; i < overrides_.all.size(); ++i)
-            if (!overrides_.matched[i])
-                report_.warnings.push_back(fmt::format("{}: no material is called '{}'",
-                                                       overrides_.all[i].place, overrides_.all[i].pattern));
-    }
-
-    SceneParts whole;
-    std::vector<std::string> filesRead;
-
-private:
-    SceneParts readParts(const PlacedModel& model, ModelFolder& folder, std::vector<std::string>& warnings) {
-        timer_.begin("read");
-        const OpenModel opened(model.path, folder, warnings);
-        const aiScene& scene = opened.scene();
-        const std::vector<MeshInstance> instances = listInstances(scene, model.placements);
-
-        timer_.begin("materials");
-        SceneParts parts;
-        std::vector<std::uint32_t> slotOf;
-        const GltfExtras extras = readGltfExtras(model.path, scene, warnings);
-        const std::vector<bool> used = findUsedMaterials(scene, instances, model.path);
-        SoupOptions wanted = readMaterials(scene, used, extras, model, folder, warnings, parts, slotOf);
-        wanted.normals = hasOwnNormals(model.path);
-
-        timer_.begin("soup");
-        parts.soup = readSoup(scene, instances, wanted, model.path);
-        for (std::uint32_t& material : parts.soup.triangleMaterial) material = slotOf[material];
-        if (model.lights) addLights(scene, extras, model, parts, warnings);
-        if (model.cameras)
-            for (const NamedCamera& camera :
-                 readCameras(scene, extras.cameraNodes, styleOf(model.path), warnings))
-                for (const glm::dmat4& placement : model.placements)
-                    parts.cameras.push_back(placed(camera, placement));
-        return parts;
-    }
-
-    // Fills `parts` with the materials that triangles use and their images, and `slotOf` with the numbers
-    // that the scene's materials have there. What they want of the vertices is returned.
-    SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
-                              const PlacedModel& model, ModelFolder& folder,
-                              std::vector<std::string>& warnings, SceneParts& parts,
-                              std::vector<std::uint32_t>& slotOf) {
-        SoupOptions wanted;
-        wanted.uvChannel.assign(used.size(), 0);
-        wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
-        slotOf.assign(used.size(), 0);
-        std::vector<MaterialSource> sources;
-        for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
-            if (!used[m]) continue;
-            slotOf[m] = static_cast<std::uint32_t>(sources.size());
-            const auto extra = extras.materials.find(m);
-            sources.push_back(readMaterial(
-                *scene.mMaterials[m], extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second,
-                warnings));
-            overrides_.apply(model.overrides, sources.back());
-            for (const auto& texture : sources.back().textures) {
-                if (!texture) continue;
-                wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
-                wanted.uvTransform[m] = texture->uvTransform;
-            }
-        }
-        parts.images = loadImages(scene, sources, folder, warnings);
-        wanted.texcoords = !parts.images.images.empty();
-        for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
-        return wanted;
-    }
-
-    void addLights(const aiScene& scene, const GltfExtras& extras, const PlacedModel& model,
-                   SceneParts& parts, std::vector<std::string>& warnings) {
-        if (scene.mNumLights == 0) return;
-        for (const Light& light :
-             readLights(scene, extras.lightNodes, boundsOf(scene).centre(), styleOf(model.path), warnings))
-            for (const glm::dmat4& placement : model.placements)
-                parts.lights.push_back(placed(light, placement));
-    }
-
-    Overrides overrides_;
-    ImportReport& report_;
-    StageTimer& timer_;
-    bool namesModels_; // in warnings
+// The materials that triangles use, and what they want of the vertices.
+struct UsedMaterials {
+    std::vector<MaterialSource> sources;
+    std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `sources`
+    SoupOptions wanted;
 };
+
+UsedMaterials readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
+                            const PlacedModel& model, Overrides& overrides,
+                            std::vector<std::string>& warnings) {
+    UsedMaterials materials;
+    materials.slotOf.assign(used.size(), 0);
+    SoupOptions& wanted = materials.wanted;
+    wanted.uvChannel.assign(used.size(), 0);
+    wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
+    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+        if (!used[m]) continue;
+        materials.slotOf[m] = static_cast<std::uint32_t>(materials.sources.size());
+        const auto extra = extras.materials.find(m);
+        materials.sources.push_back(
+            readMaterial(*scene.mMaterials[m],
+                         extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second, warnings));
+        overrides.apply(model.overrides, materials.sources.back());
+        for (const auto& texture : materials.sources.back().textures) {
+            if (!texture) continue;
+            wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
+            wanted.uvTransform[m] = texture->uvTransform;
+        }
+    }
+    return materials;
+}
+
+// Each of them at each of the model's places.
+template <class Thing>
+void placeAll(const std::vector<Thing>& things, const PlacedModel& model, const char* name,
+              std::vector<Thing>& result, std::vector<std::string>& warnings) {
+    std::size_t broken = 0;
+    for (const Thing& thing : things)
+        for (const glm::dmat4& placement : model.placements) {
+            const Thing moved = placed(thing, placement);
+            if (isValid(moved)) result.push_back(moved);
+            broken += !isValid(moved);
+        }
+    if (broken > 0)
+        warnings.push_back(
+            fmt::format("{} {} are out of range where they are placed and are left out", broken, name));
+}
+
+SceneParts readParts(const PlacedModel& model, Overrides& overrides, ModelFolder& folder,
+                     std::vector<std::string>& warnings, StageTimer& timer) {
+    timer.begin("read");
+    const OpenModel opened(model.path, folder, warnings);
+    const aiScene& scene = opened.scene();
+    const std::vector<MeshInstance> instances = listInstances(scene, model.placements);
+
+    timer.begin("materials");
+    SceneParts parts;
+    const GltfExtras extras = readGltfExtras(model.path, scene, warnings);
+    const std::vector<bool> used = findUsedMaterials(scene, instances, model.path);
+    UsedMaterials materials = readMaterials(scene, used, extras, model, overrides, warnings);
+    parts.images = loadImages(scene, materials.sources, folder, warnings);
+    materials.wanted.texcoords = !parts.images.images.empty();
+    materials.wanted.normals = hasOwnNormals(model.path);
+    for (const MaterialSource& source : materials.sources) parts.materials.push_back(source.material);
+
+    timer.begin("soup");
+    parts.soup = readSoup(scene, instances, materials.wanted, model.path);
+    for (std::uint32_t& material : parts.soup.triangleMaterial) material = materials.slotOf[material];
+    const SceneryStyle style = styleOf(model.path);
+    if (model.lights && scene.mNumLights > 0)
+        placeAll(readLights(scene, extras.lightNodes, boundsOf(scene).centre(), style, warnings), model,
+                 "lights", parts.lights, warnings);
+    if (model.cameras)
+        placeAll(readCameras(scene, extras.cameraNodes, style, warnings), model, "cameras", parts.cameras,
+                 warnings);
+    return parts;
+}
+
+void addOnce(const std::vector<std::string>& more, std::vector<std::string>& names) {
+    for (const std::string& name : more)
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+// All models, one after the other. Warnings name the model where there are several.
+SceneParts readModels(const SceneDescription& scene, ImportedModel& result, StageTimer& timer) {
+    const bool several = scene.models.size() > 1 || !scene.filesRead.empty();
+    std::vector<std::string>& warnings = result.report.warnings;
+    Overrides overrides{scene.overrides, std::vector<bool>(scene.overrides.size())};
+    SceneParts whole;
+    for (const PlacedModel& model : scene.models) {
+        ModelFolder folder(model.path, model.folders);
+        std::vector<std::string> own;
+        append(readParts(model, overrides, folder, own, timer), whole, model.path);
+        for (const std::string& warning : own)
+            warnings.push_back(several ? model.path + ": " + warning : warning);
+        addOnce(folder.filesRead(), result.filesRead);
+    }
+    for (std::size_t i = 0; i < scene.overrides.size(); ++i)
+        if (!overrides.matched[i])
+            warnings.push_back(fmt::format("{}: no material is called '{}'", scene.overrides[i].place,
+                                           scene.overrides[i].pattern));
+    return whole;
+}
 
 void addDescribed(SceneDescription& scene, const SceneParts& parts, Mesh& mesh) {
     std::vector<Light> lights = parts.lights;
@@ -186,10 +190,8 @@ ImportedModel importScene(const SceneSources& sources, double creaseDegrees, Sta
     timer.begin("describe");
     SceneDescription scene = describeScene(sources.inputs, sources.roots);
     result.report.warnings = scene.warnings;
-    SceneReader reader(scene, result.report, timer);
-    for (const PlacedModel& model : scene.models) reader.add(model);
-    reader.warnOfUnusedOverrides();
-    SceneParts& parts = reader.whole;
+    addOnce(scene.filesRead, result.filesRead);
+    SceneParts parts = readModels(scene, result, timer);
     const std::string name = fmt::format("{}", fmt::join(sources.inputs, ", "));
     if (parts.soup.triangles.empty())
         throw Error(ErrorKind::InvalidContent, name + ": has no triangles; nothing could be seen");
@@ -216,8 +218,6 @@ ImportedModel importScene(const SceneSources& sources, double creaseDegrees, Sta
     addDescribed(scene, parts, mesh);
     validate(mesh, name);
     timer.end();
-    result.filesRead = std::move(scene.filesRead);
-    result.filesRead.insert(result.filesRead.end(), reader.filesRead.begin(), reader.filesRead.end());
     return result;
 }
 

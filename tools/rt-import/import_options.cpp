@@ -12,6 +12,19 @@
 #include <filesystem>
 
 namespace rt {
+namespace {
+
+void checkSources(const SceneSources& sources) {
+    if (std::find(sources.inputs.begin(), sources.inputs.end(), "-") != sources.inputs.end())
+        throw Error(ErrorKind::Usage,
+                    "-: a model cannot come from standard input, since its textures are looked "
+                    "for in its folder; name a file (./- for one called -)");
+    for (const std::string& root : sources.roots)
+        if (!std::filesystem::is_directory(root))
+            throw Error(ErrorKind::FileAccess, fmt::format("--texture-root {}: is no folder", root));
+}
+
+} // namespace
 
 bool parseImportOptions(int argc, const char* const* argv, ImportOptions& options) {
     CLI::App app("Reads models (" + readableFormats() + ") and scene files (*.scene.json) into one .rtmesh",
@@ -41,17 +54,10 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     if (!parseCommandLine(app, argc, argv, options.common)) return false;
 
     if (std::isnan(options.creaseDegrees)) throw Error(ErrorKind::Usage, "--crease: nan is not an angle");
-    const std::vector<std::string>& inputs = options.sources.inputs;
-    if (std::find(inputs.begin(), inputs.end(), "-") != inputs.end())
-        throw Error(ErrorKind::Usage,
-                    "-: a model cannot come from standard input, since its textures are looked "
-                    "for in its folder; name a file (./- for one called -)");
+    checkSources(options.sources);
     if (options.outputPath == "-" && !options.common.depfilePath.empty())
         throw Error(ErrorKind::Usage, "--depfile needs an output file to speak of; -o is -");
-    for (const std::string& root : options.sources.roots)
-        if (!std::filesystem::is_directory(root))
-            throw Error(ErrorKind::FileAccess, fmt::format("--texture-root {}: is no folder", root));
-    requireDistinctPaths(inputs, outputsOf(options));
+    requireDistinctPaths(options.sources.inputs, outputsOf(options));
     return true;
 }
 
