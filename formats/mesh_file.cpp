@@ -103,8 +103,8 @@ void writeMesh(const std::string& path, const Mesh& mesh) {
     writer.write(path);
 }
 
-MeshFile readMesh(const std::string& path) {
-    const SectionFile file(path, kMeshKind);
+MeshFile readMesh(const std::string& path, const std::string& shownAs) {
+    const SectionFile file(path, kMeshKind, shownAs);
     Mesh mesh;
     mesh.positions = file.get<glm::vec3>(kPositions);
     mesh.normals = file.get<glm::vec3>(kNormals);
@@ -116,7 +116,7 @@ MeshFile readMesh(const std::string& path) {
     mesh.cameras = file.get<NamedCamera>(kCameras);
     mesh.images = file.get<MeshImage>(kImages);
     mesh.pixels = file.get<std::uint32_t>(kPixels);
-    file.verify([&] { validate(mesh, path); });
+    file.verify([&] { validate(mesh, shownAs.empty() ? path : shownAs); });
     return {std::move(mesh), file.contentHash()};
 }
 

@@ -1,5 +1,6 @@
 #include "tools/rt-import/import_model.h"
 
+#include "common/error.h"
 #include "common/stage_timer.h"
 #include "tools/rt-import/load_images.h"
 #include "tools/rt-import/model_folder.h"
@@ -8,10 +9,10 @@
 #include "tools/rt-import/read_gltf_extras.h"
 #include "tools/rt-import/read_lights.h"
 #include "tools/rt-import/read_scene.h"
-#include "tools/rt-import/repair_mesh.h"
-#include "tools/rt-import/weld_vertices.h"
+#include "tools/rt-import/skip_unneeded.h"
 
 #include <assimp/scene.h>
+#include <fmt/format.h>
 
 namespace rt {
 namespace {
@@ -20,8 +21,8 @@ namespace {
 // built.
 struct SceneParts {
     SceneSoup soup;
-    std::vector<Material> materials;
-    std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `materials`
+    std::vector<Material> materials; // which the soup's triangles name by their place here
+    std::size_t materialsOfFile = 0;
     LoadedImages images;
     std::vector<Light> lights;
     std::vector<NamedCamera> cameras;
@@ -29,7 +30,8 @@ struct SceneParts {
 
 Bounds boundsOf(const SceneSoup& soup) {
     Bounds bounds;
-    for (const glm::vec3& position : soup.positions) bounds.add(position);
+    for (const glm::uvec3& t : soup.triangles)
+        for (int corner = 0; corner < 3; ++corner) bounds.add(soup.positions[t[corner]]);
     return bounds;
 }
 
@@ -42,76 +44,109 @@ SpotAngles spotAnglesOf(const std::string& path) {
     return lowerExtension(path) == "3ds" ? SpotAngles::AcrossCone : SpotAngles::FromAxis;
 }
 
-// Fills `parts` with the materials that triangles use and their images. What they want of the vertices is
-// returned.
-SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
-                          ModelFolder& folder, std::vector<std::string>& warnings, SceneParts& parts) {
+// The materials that triangles use, and what they want of the vertices.
+struct UsedMaterials {
+    std::vector<MaterialSource> sources;
+    std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `sources`
     SoupOptions wanted;
+};
+
+UsedMaterials readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
+                            std::vector<std::string>& warnings) {
+    UsedMaterials materials;
+    materials.slotOf.assign(used.size(), 0);
+    SoupOptions& wanted = materials.wanted;
     wanted.uvChannel.assign(used.size(), 0);
     wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
-    parts.slotOf.assign(used.size(), 0);
-    std::vector<MaterialSource> sources;
     for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
         if (!used[m]) continue;
-        parts.slotOf[m] = static_cast<std::uint32_t>(sources.size());
+        materials.slotOf[m] = static_cast<std::uint32_t>(materials.sources.size());
         const auto extra = extras.materials.find(m);
-        sources.push_back(readMaterial(*scene.mMaterials[m],
-                                       extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second,
-                                       warnings));
-        for (const auto& texture : sources.back().textures) {
+        materials.sources.push_back(
+            readMaterial(*scene.mMaterials[m],
+                         extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second, warnings));
+        for (const auto& texture : materials.sources.back().textures) {
             if (!texture) continue;
             wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
             wanted.uvTransform[m] = texture->uvTransform;
         }
     }
-    parts.images = loadImages(scene, sources, folder, warnings);
-    wanted.texcoords = !parts.images.images.empty();
-    for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
-    return wanted;
+    return materials;
 }
 
-SceneParts readParts(const std::string& path, ModelFolder& folder, ImportReport& report, StageTimer& timer) {
+SceneParts readParts(const std::string& path, const ImportSettings& settings, ModelFolder& folder,
+                     ImportReport& report, StageTimer& timer) {
+    constexpr double kReadingShare = 0.5; // of the time, about
     timer.begin("read");
-    const OpenModel model(path, folder, report.warnings);
+    const OpenModel model(path, settings.allowedFormats, folder, report.warnings,
+                          [&](double part) { settings.progress(kReadingShare * part); });
     const aiScene& scene = model.scene();
     const std::vector<MeshInstance> instances = listInstances(scene);
+    warnOfLost(scene, report.warnings);
 
     timer.begin("materials");
     SceneParts parts;
     const GltfExtras extras = readGltfExtras(path, scene, report.warnings);
     const std::vector<bool> used = findUsedMaterials(scene, instances, path);
-    SoupOptions wanted = readMaterials(scene, used, extras, folder, report.warnings, parts);
-    wanted.normals = hasOwnNormals(path);
+    UsedMaterials materials = readMaterials(scene, used, extras, report.warnings);
+    parts.images = loadImages(scene, materials.sources, folder, report.warnings);
+    materials.wanted.texcoords = !parts.images.images.empty();
+    materials.wanted.normals = hasOwnNormals(path);
+    for (const MaterialSource& source : materials.sources) parts.materials.push_back(source.material);
+    parts.materialsOfFile = used.size();
+    report.leftOut.push_back(countUnusedTextures(scene, materials.sources));
+    report.leftOut.push_back(countUnusedTexcoords(instances, materials.wanted));
 
     timer.begin("soup");
-    parts.soup = readSoup(scene, instances, wanted, path);
+    parts.soup = readSoup(model, instances, materials.wanted, path, report.ledger);
+    for (std::uint32_t& material : parts.soup.triangleMaterial) material = materials.slotOf[material];
     parts.lights = readLights(scene, extras.lightNodes, boundsOf(parts.soup).centre(), spotAnglesOf(path),
                               report.warnings);
     parts.cameras = readCameras(scene, extras.cameraNodes, report.warnings);
-    report.droppedFaces = parts.soup.droppedFaces;
     return parts;
+}
+
+void skipUnneeded(SceneParts& parts, std::vector<LeftOut>& leftOut) {
+    leftOut.push_back(countUnusedVertices(parts.soup));
+    dropUnusedMaterials(parts.soup.triangleMaterial, parts.materials);
+    const std::uint64_t unused = parts.materialsOfFile - parts.materials.size();
+    leftOut.push_back({"unusedMaterials", unused, unused * sizeof(Material)});
+    leftOut.push_back(dropUnusedImages(parts.materials, parts.images));
+}
+
+void requireFlawless(const ImportReport& report, const std::string& path) {
+    std::vector<std::string> faults = report.ledger.lines();
+    faults.insert(faults.end(), report.warnings.begin(), report.warnings.end());
+    if (faults.empty()) return;
+    const std::string more = faults.size() > 1 ? fmt::format(" (and {} more)", faults.size() - 1) : "";
+    throw Error(ErrorKind::InvalidContent,
+                fmt::format("{}: {}{}; --strict takes only what needs no repair", path, faults[0], more));
 }
 
 } // namespace
 
-ImportedModel importModel(const std::string& path, double creaseDegrees, StageTimer& timer) {
+ImportedModel importModel(const std::string& path, const ImportSettings& settings, StageTimer& timer) {
     ImportedModel result;
+    ImportReport& report = result.report;
     ModelFolder folder(path);
-    SceneParts parts = readParts(path, folder, result.report, timer);
+    SceneParts parts = readParts(path, settings, folder, report, timer);
+    settings.progress(0.6);
 
     timer.begin("repair");
-    const Weld weld = weldPositions(parts.soup);
-    result.report.weldedVertices = weld.positions.size();
-    result.report.generatedNormals = countMissingNormals(parts.soup);
-    const RepairedSurface surface =
-        repairSurface(weld.positions, weld.triangles, creaseDegrees, result.report.generatedNormals > 0);
-    result.report.degenerateTriangles = surface.degenerateTriangles;
-    result.report.nonManifoldFaces = surface.nonManifoldFaces;
+    report.leftOut.push_back(dropInvisible(parts.materials, parts.soup));
+    const RepairedSurface surface = repairSoup(parts.soup, settings.repair, path, report.ledger);
+    report.weldedVertices = surface.weld.positions.size();
+    report.movedVertices = surface.weld.movedPositions;
+    report.generatedNormals = surface.generatedNormals;
+    report.decimatedFrom = surface.decimatedFrom;
+    report.surface = surface.figures;
+    settings.progress(0.9);
 
     timer.begin("merge");
+    skipUnneeded(parts, report.leftOut);
+    if (settings.strict) requireFlawless(report, path);
     Mesh& mesh = result.mesh;
-    mesh = mergeCorners(parts.soup, weld, surface.cornerNormals);
-    for (std::uint32_t& material : parts.soup.triangleMaterial) material = parts.slotOf[material];
+    mesh = mergeCorners(parts.soup, surface.weld, surface.cornerNormals);
     mesh.triangleMaterial = std::move(parts.soup.triangleMaterial);
     mesh.materials = std::move(parts.materials);
     mesh.lights = std::move(parts.lights);
