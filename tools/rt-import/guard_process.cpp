@@ -167,6 +167,14 @@ void GuardProcess::Impl::throwIfKilled(int status) const {
                 fmt::format("{}: its loader crashed ({}); the file is damaged", name, strsignal(signal)));
 }
 
+MemoryLimit readingMemoryLimit(std::uint64_t fileBytes) {
+    const MemoryLimit most = defaultMemoryLimit();
+    const std::uint64_t wanted = std::max(
+        kLeastMemory, fileBytes > most.bytes / kMemoryPerByte ? most.bytes : fileBytes * kMemoryPerByte);
+    if (wanted >= most.bytes) return most;
+    return {wanted, fmt::format("the larger of 2 GiB and {} times the file", kMemoryPerByte)};
+}
+
 GuardProcess::GuardProcess(const std::string& name, const GuardLimits& limits)
     : impl_(std::make_unique<Impl>()) {
     impl_->name = name;

@@ -10,9 +10,15 @@
 namespace rt {
 
 struct GuardLimits {
-    MemoryLimit memory = defaultMemoryLimit(); ///< address space, and what is handed over
+    MemoryLimit memory; ///< of the address space, and of what is handed over
     double seconds = 300.0;
 };
+
+/// How much reading files of that many bytes in all may take: 2 GiB or kMemoryPerByte times as much,
+/// whichever is more, but not over what is left to any program here.
+MemoryLimit readingMemoryLimit(std::uint64_t fileBytes);
+inline constexpr std::uint64_t kLeastMemory = std::uint64_t(2) << 30;
+inline constexpr std::uint64_t kMemoryPerByte = 100;
 
 /// What a child handed over, checked.
 struct ReceivedMesh {

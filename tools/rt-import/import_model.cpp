@@ -14,6 +14,9 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
+#include <map>
+#include <string_view>
+
 namespace rt {
 namespace {
 
@@ -22,7 +25,7 @@ namespace {
 struct SceneParts {
     SceneSoup soup;
     std::vector<Material> materials; // which the soup's triangles name by their place here
-    std::size_t materialsOfFile = 0;
+    std::uint64_t unusedMaterials = 0;
     LoadedImages images;
     std::vector<Light> lights;
     std::vector<NamedCamera> cameras;
@@ -74,6 +77,16 @@ UsedMaterials readMaterials(const aiScene& scene, const std::vector<bool>& used,
     return materials;
 }
 
+// Assimp adds materials of its own, without a name or with this one.
+std::uint64_t countUnusedMaterials(const aiScene& scene, const std::vector<bool>& used) {
+    std::uint64_t count = 0;
+    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+        const std::string_view name = scene.mMaterials[m]->GetName().C_Str();
+        count += !used[m] && !name.empty() && name != AI_DEFAULT_MATERIAL_NAME;
+    }
+    return count;
+}
+
 SceneParts readParts(const std::string& path, const ImportSettings& settings, ModelFolder& folder,
                      ImportReport& report, StageTimer& timer) {
     constexpr double kReadingShare = 0.5; // of the time, about
@@ -93,12 +106,13 @@ SceneParts readParts(const std::string& path, const ImportSettings& settings, Mo
     materials.wanted.texcoords = !parts.images.images.empty();
     materials.wanted.normals = hasOwnNormals(path);
     for (const MaterialSource& source : materials.sources) parts.materials.push_back(source.material);
-    parts.materialsOfFile = used.size();
+    parts.unusedMaterials = countUnusedMaterials(scene, used);
     report.leftOut.push_back(countUnusedTextures(scene, materials.sources));
     report.leftOut.push_back(countUnusedTexcoords(instances, materials.wanted));
 
     timer.begin("soup");
     parts.soup = readSoup(model, instances, materials.wanted, path, report.ledger);
+    requireTriangles(parts.soup, path, report.ledger);
     for (std::uint32_t& material : parts.soup.triangleMaterial) material = materials.slotOf[material];
     parts.lights = readLights(scene, extras.lightNodes, boundsOf(parts.soup).centre(), spotAnglesOf(path),
                               report.warnings);
@@ -108,10 +122,21 @@ SceneParts readParts(const std::string& path, const ImportSettings& settings, Mo
 
 void skipUnneeded(SceneParts& parts, std::vector<LeftOut>& leftOut) {
     leftOut.push_back(countUnusedVertices(parts.soup));
-    dropUnusedMaterials(parts.soup.triangleMaterial, parts.materials);
-    const std::uint64_t unused = parts.materialsOfFile - parts.materials.size();
+    const std::uint64_t unused =
+        parts.unusedMaterials + dropUnusedMaterials(parts.soup.triangleMaterial, parts.materials);
     leftOut.push_back({"unusedMaterials", unused, unused * sizeof(Material)});
     leftOut.push_back(dropUnusedImages(parts.materials, parts.images));
+}
+
+// 1500 materials may miss the same texture.
+void countRepeats(std::vector<std::string>& warnings) {
+    std::vector<std::string> distinct;
+    std::map<std::string, unsigned> counts;
+    for (std::string& warning : warnings)
+        if (counts[warning]++ == 0) distinct.push_back(std::move(warning));
+    for (std::string& warning : distinct)
+        if (const unsigned count = counts[warning]; count > 1) warning += fmt::format(" ({} times)", count);
+    warnings = std::move(distinct);
 }
 
 void requireFlawless(const ImportReport& report, const std::string& path) {
@@ -144,6 +169,7 @@ ImportedModel importModel(const std::string& path, const ImportSettings& setting
 
     timer.begin("merge");
     skipUnneeded(parts, report.leftOut);
+    countRepeats(report.warnings);
     if (settings.strict) requireFlawless(report, path);
     Mesh& mesh = result.mesh;
     mesh = mergeCorners(parts.soup, surface.weld, surface.cornerNormals);

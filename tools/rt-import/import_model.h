@@ -12,8 +12,8 @@ namespace rt {
 class StageTimer;
 
 struct ImportSettings {
-    RepairOptions repair;
-    std::vector<std::string> allowedFormats;              ///< extensions read besides the usual ones
+    RepairOptions repair = {};
+    std::vector<std::string> allowedFormats = {};         ///< extensions read besides the usual ones
     bool strict = false;                                  ///< refuse what has to be mended or loses something
     std::function<void(double)> progress = [](double) {}; ///< is told which part is done, 0 to 1
 };

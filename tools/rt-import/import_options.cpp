@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 namespace rt {
 namespace {
@@ -51,23 +53,32 @@ void declareRepair(CLI::App& app, ImportOptions& options) {
     app.add_option("--max-triangles", repair.maxTriangles,
                    fmt::format("Decimate what has more triangles, and refuse what cannot be brought down to "
                                "that; files of more than {} are refused in any case",
-                               kMaxTriangles))
-        ->check(numberBetween(1.0, static_cast<double>(kMaxTriangles)))
+                               kMaxSoupCount))
+        ->check(numberBetween(1.0, static_cast<double>(kMaxSoupCount)))
         ->type_name("N");
     app.add_flag("--strict", options.settings.strict,
                  "Refuse a model of which anything has to be repaired or cannot be carried over");
 }
 
 void declareLimits(CLI::App& app, ImportOptions& options, std::string& maxMemory) {
-    app.add_option("--max-memory", maxMemory,
-                   fmt::format("Memory that reading may take, e.g. 800M or 12G: bytes, or with K, M, G or T "
-                               "multiples of 1024; by default {}, {}M",
-                               options.limits.memory.origin, options.limits.memory.bytes >> 20))
+    const MemoryLimit most = defaultMemoryLimit();
+    app.add_option(
+           "--max-memory", maxMemory,
+           fmt::format("Memory that reading may take, e.g. 800M or 12G: bytes, or with K, M, G or T "
+                       "multiples of 1024; by default the larger of 2G and {} times the model's file, "
+                       "but no more than {}, {}M",
+                       kMemoryPerByte, most.origin, most.bytes >> 20))
         ->type_name("SIZE");
     app.add_option("--max-time", options.limits.seconds, "Seconds that reading may take")
         ->check(numberBetween(0.001, kMaxSeconds))
         ->capture_default_str()
         ->type_name("S");
+}
+
+std::uint64_t fileBytes(const std::string& path) {
+    std::error_code unknown; // reading it will say why
+    const std::uint64_t bytes = std::filesystem::file_size(path, unknown);
+    return unknown ? 0 : bytes;
 }
 
 void requireSound(const ImportOptions& options) {
@@ -104,9 +115,10 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     addDepfileOption(app, options.common);
     if (!parseCommandLine(app, argc, argv, options.common)) return false;
     if (options.listFormats) return true;
-    if (!maxMemory.empty())
-        options.limits.memory = {parseByteSize(maxMemory, "--max-memory"), "--max-memory"};
     requireSound(options);
+    options.limits.memory = maxMemory.empty()
+                                ? readingMemoryLimit(fileBytes(options.modelPath))
+                                : MemoryLimit{parseByteSize(maxMemory, "--max-memory"), "--max-memory"};
     return true;
 }
 

@@ -49,20 +49,23 @@ bool Ledger::empty() const {
 
 std::vector<std::string> Ledger::lines() const {
     std::vector<std::string> lines;
-    for (std::size_t i = 0; i < kDefects; ++i) {
-        if (entries_[i].count == 0) continue;
-        std::string line =
-            fmt::format("{} {}: {}; first", entries_[i].count, kTexts[i].what, kTexts[i].action);
-        const FaceOrigin* last = nullptr;
-        for (const FaceOrigin& origin : entries_[i].first) {
-            if (last && last->mesh != origin.mesh)
-                line += fmt::format(" of mesh '{}',", meshNames_[last->mesh]);
-            line += fmt::format("{} {}", !last || last->mesh != origin.mesh ? " face" : ",", origin.face);
-            last = &origin;
-        }
-        lines.push_back(line + fmt::format(" of mesh '{}'", meshNames_[last->mesh]));
-    }
+    for (std::size_t i = 0; i < kDefects; ++i)
+        if (entries_[i].count > 0)
+            lines.push_back(fmt::format("{}: {} {} (first: {})", kTexts[i].what, entries_[i].count,
+                                        kTexts[i].action, placesText(entries_[i].first)));
     return lines;
+}
+
+std::string Ledger::placesText(const std::vector<FaceOrigin>& origins) const {
+    std::string text;
+    for (std::size_t i = 0; i < origins.size(); ++i) {
+        const bool firstOfMesh = i == 0 || origins[i - 1].mesh != origins[i].mesh;
+        text += fmt::format("{}{}{}", i == 0 ? "" : ", ", firstOfMesh ? "face " : "", origins[i].face);
+        const bool lastOfMesh = i + 1 == origins.size() || origins[i + 1].mesh != origins[i].mesh;
+        const std::string& mesh = meshNames_[origins[i].mesh];
+        if (lastOfMesh && !mesh.empty()) text += fmt::format(" of mesh '{}'", mesh);
+    }
+    return text;
 }
 
 nlohmann::json Ledger::toJson() const {

@@ -46,13 +46,14 @@ public:
 
     const Entry& operator[](Defect defect) const { return entries_[static_cast<unsigned>(defect)]; }
     bool empty() const;
-    /// "608 faces without area were dropped: first face 3 of mesh 'ball'"; one line for each kind that was
-    /// found.
+    /// "faces without area: 608 dropped (first: face 3, 4 of mesh 'ball')"; a line for each kind found.
     std::vector<std::string> lines() const;
     /// [{"defect", "count", "action", "first": [{"mesh", "face"}]}], the kinds that were found.
     nlohmann::json toJson() const;
 
 private:
+    std::string placesText(const std::vector<FaceOrigin>& origins) const;
+
     std::array<Entry, kDefects> entries_;
     std::vector<std::string> meshNames_;
 };

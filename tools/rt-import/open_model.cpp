@@ -2,6 +2,8 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
+#include "tools/rt-import/check_collada.h"
+#include "tools/rt-import/correct_3ds.h"
 #include "tools/rt-import/cut_polygons.h"
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/model_formats.h"
@@ -29,7 +31,7 @@ void requireReadable(const std::string& path, const std::vector<std::string>& al
     const fs::file_status status = fs::status(path, ignored);
     if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
         throw Error(ErrorKind::FileAccess, path + ": is not a regular file; models are read from files only");
-    const bool empty = readFile(path).empty();
+    const SharedSpan<std::byte> bytes = readFile(path);
     const std::string extension = lowerExtension(path);
     if (!isReadable(extension, allowedFormats))
         throw Error(
@@ -37,7 +39,8 @@ void requireReadable(const std::string& path, const std::vector<std::string>& al
             fmt::format("{}: extension '{}' is not among those that are read ({}); --allow-format may "
                         "add it, --list-formats lists all",
                         path, extension, readableFormats()));
-    if (empty) throw Error(ErrorKind::InvalidContent, path + ": is empty; a model was expected");
+    if (bytes.empty()) throw Error(ErrorKind::InvalidContent, path + ": is empty; a model was expected");
+    if (extension == "dae") checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
 }
 
 // Opens only what lies in the model's folder, for reading, and keeps the list of what it opened.
@@ -122,7 +125,9 @@ OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& al
     impl_->scene = importer.ReadFile(path, 0);
     requireScene();
     // The importer owns the scene and hands it out for reading only, but made it to be processed further.
-    impl_->polygons = listPolygons(const_cast<aiScene&>(*impl_->scene));
+    auto& unfinished = const_cast<aiScene&>(*impl_->scene);
+    if (lowerExtension(path) == "3ds") correct3dsCameras(unfinished);
+    impl_->polygons = listPolygons(unfinished);
     impl_->scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     requireScene();
     matchTriangles(*impl_->scene, impl_->polygons);

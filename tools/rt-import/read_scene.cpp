@@ -48,10 +48,10 @@ void reserve(SceneSoup& soup, const std::vector<MeshInstance>& instances, const 
         triangles += count;
         vertices += instance.mesh->mNumVertices;
     }
-    if (triangles > kMaxTriangles || vertices > kMaxTriangles)
+    if (triangles > kMaxSoupCount || vertices > kMaxSoupCount)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: {} triangles and {} vertices exceed {}; split the scene", path,
-                                triangles, vertices, kMaxTriangles));
+                                triangles, vertices, kMaxSoupCount));
     soup.positions.reserve(vertices);
     if (options.normals) soup.normals.reserve(vertices);
     if (options.texcoords) soup.texcoords.reserve(vertices);
@@ -147,18 +147,6 @@ void appendInstance(const OpenModel& model, const MeshInstance& instance, const 
         ledger.add(Defect::BadPolygons, {meshId, polygon});
 }
 
-void requireFiniteExtent(const SceneSoup& soup, const std::string& path) {
-    Bounds bounds;
-    for (const glm::uvec3& t : soup.triangles)
-        for (int corner = 0; corner < 3; ++corner) bounds.add(soup.positions[t[corner]]);
-    if (!isFinite(bounds.extent()))
-        throw Error(ErrorKind::InvalidContent,
-                    fmt::format("{}: the scene reaches from {:g} to {:g}, an extent that "
-                                "overflows 32 bits; scale it to smaller coordinates",
-                                path, glm::min(bounds.lo.x, glm::min(bounds.lo.y, bounds.lo.z)),
-                                glm::max(bounds.hi.x, glm::max(bounds.hi.y, bounds.hi.z))));
-}
-
 } // namespace
 
 std::vector<MeshInstance> listInstances(const aiScene& scene) {
@@ -208,8 +196,6 @@ SceneSoup readSoup(const OpenModel& model, const std::vector<MeshInstance>& inst
     }
     for (const MeshInstance& instance : instances)
         appendInstance(model, instance, options, firstMesh + instance.meshIndex, ledger, soup);
-    requireTriangles(soup, path, ledger);
-    requireFiniteExtent(soup, path);
     return soup;
 }
 
@@ -217,6 +203,18 @@ void removeTriangles(SceneSoup& soup, const std::vector<bool>& dropped) {
     removeMarked(soup.triangles, dropped);
     removeMarked(soup.triangleMaterial, dropped);
     removeMarked(soup.origins, dropped);
+}
+
+void requireFiniteExtent(const SceneSoup& soup, const std::string& path) {
+    Bounds bounds;
+    for (const glm::uvec3& t : soup.triangles)
+        for (int corner = 0; corner < 3; ++corner) bounds.add(soup.positions[t[corner]]);
+    if (!isFinite(bounds.extent()))
+        throw Error(ErrorKind::InvalidContent,
+                    fmt::format("{}: the scene reaches from {:g} to {:g}, an extent that "
+                                "overflows 32 bits; scale it to smaller coordinates",
+                                path, glm::min(bounds.lo.x, glm::min(bounds.lo.y, bounds.lo.z)),
+                                glm::max(bounds.hi.x, glm::max(bounds.hi.y, bounds.hi.z))));
 }
 
 void requireTriangles(const SceneSoup& soup, const std::string& path, const Ledger& ledger) {

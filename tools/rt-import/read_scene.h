@@ -19,7 +19,7 @@ class OpenModel;
 
 /// The most triangles, and vertices, that are read: OpenMesh numbers halfedges, up to six for each triangle,
 /// with 32-bit integers.
-inline constexpr std::uint64_t kMaxTriangles = 1u << 28;
+inline constexpr std::uint64_t kMaxSoupCount = 1u << 28;
 
 /// The triangles of a scene in file order, indexed as the file indexes them.
 struct SceneSoup {
@@ -70,10 +70,12 @@ struct SoupOptions {
 /// Places the instances in the world: positions by their transforms, normals by the inverse transpose,
 /// corners 1 and 2 exchanged where the transform mirrors. Points, lines and faces that use vertices
 /// which do not exist or are not finite, before or after the transform, are dropped and entered in `ledger`.
-/// Throws Error{InvalidContent} for no triangles and for a scene too wide for 32-bit floats,
-/// Error{LimitExceeded} for more than 2^28 of anything; messages prefixed by `path`.
+/// Throws Error{LimitExceeded}, message prefixed by `path`, for more than 2^28 of anything.
 SceneSoup readSoup(const OpenModel& model, const std::vector<MeshInstance>& instances,
                    const SoupOptions& wanted, const std::string& path, Ledger& ledger);
+
+/// Throws Error{InvalidContent}, prefixed by `path`, for a scene too wide for 32-bit floats.
+void requireFiniteExtent(const SceneSoup& soup, const std::string& path);
 
 /// Throws Error{InvalidContent}, prefixed by `path`, if there are no triangles, and says why if `ledger`
 /// knows.

@@ -121,6 +121,8 @@ void dropFlatFaces(SceneSoup& soup, RepairedSurface& result, Ledger& ledger) {
 
 RepairedSurface repairSoup(SceneSoup& soup, const RepairOptions& options, const std::string& path,
                            Ledger& ledger) {
+    requireTriangles(soup, path, ledger);
+    requireFiniteExtent(soup, path);
     RepairedSurface result;
     result.weld = weldPositions(soup, options.weldDistance);
     drop(findNeedless(soup, result.weld, ledger), soup, result.weld);

@@ -11,7 +11,7 @@ struct RepairOptions {
     double weldDistance = 0.0; ///< world units; positions that are closer become one
     double creaseDegrees = 45.0;
     double decimateRatio = 1.0;                 ///< which part of the triangles is wanted
-    std::uint64_t maxTriangles = kMaxTriangles; ///< more are decimated to this
+    std::uint64_t maxTriangles = kMaxSoupCount; ///< more are decimated to this
 };
 
 struct RepairedSurface {
@@ -24,8 +24,8 @@ struct RepairedSurface {
 
 /// Welds positions, drops faces that have no area or repeat another one, turns faces as their neighbours are,
 /// decimates, and generates the normals that are missing. What it finds goes into `ledger`. Throws
-/// Error{InvalidContent} if no triangle is left and Error{LimitExceeded} if decimation cannot reach
-/// options.maxTriangles; messages prefixed by `path`.
+/// Error{InvalidContent} if no triangle is left or the scene is too wide for 32-bit floats, and
+/// Error{LimitExceeded} if decimation cannot reach options.maxTriangles; messages prefixed by `path`.
 RepairedSurface repairSoup(SceneSoup& soup, const RepairOptions& options, const std::string& path,
                            Ledger& ledger);
 

@@ -131,7 +131,8 @@ LeftOut dropInvisible(std::span<const Material> materials, SceneSoup& soup) {
     return triangles;
 }
 
-void dropUnusedMaterials(std::vector<std::uint32_t>& triangleMaterial, std::vector<Material>& materials) {
+std::uint64_t dropUnusedMaterials(std::vector<std::uint32_t>& triangleMaterial,
+                                  std::vector<Material>& materials) {
     std::vector<bool> unused(materials.size(), true);
     for (const std::uint32_t material : triangleMaterial) unused[material] = false;
     std::vector<std::uint32_t> numberOf(materials.size(), kUnseen);
@@ -140,6 +141,7 @@ void dropUnusedMaterials(std::vector<std::uint32_t>& triangleMaterial, std::vect
         if (!unused[m]) numberOf[m] = kept++;
     for (std::uint32_t& material : triangleMaterial) material = numberOf[material];
     removeMarked(materials, unused);
+    return unused.size() - kept;
 }
 
 LeftOut dropUnusedImages(std::vector<Material>& materials, LoadedImages& loaded) {

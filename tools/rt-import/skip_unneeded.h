@@ -27,8 +27,9 @@ LeftOut countUnusedTextures(const aiScene& scene, std::span<const MaterialSource
 /// nothing else is there. Triangles name their material by its place in `materials`.
 LeftOut dropInvisible(std::span<const Material> materials, SceneSoup& soup);
 
-/// Takes away the materials that no triangle uses, and renumbers the others.
-void dropUnusedMaterials(std::vector<std::uint32_t>& triangleMaterial, std::vector<Material>& materials);
+/// Takes away the materials that no triangle uses, and renumbers the others. Returns how many went.
+std::uint64_t dropUnusedMaterials(std::vector<std::uint32_t>& triangleMaterial,
+                                  std::vector<Material>& materials);
 
 /// Takes away images that no material uses and those whose pixels another one has too, and renumbers the
 /// others.

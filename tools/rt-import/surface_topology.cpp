@@ -3,6 +3,7 @@
 #include "tools/rt-import/index_table.h"
 
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -29,6 +30,12 @@ public:
     std::uint32_t edgeOf(std::uint32_t side) const { return edgeOf_[side]; }
     /// Whether the side goes from its edge's lower vertex to the higher one.
     bool isForward(std::uint32_t side) const { return vertexAt(side) < vertexAt(nextCorner(side)); }
+
+    /// Whether one face covers the other, as a decal does.
+    bool haveSameCorners(std::uint32_t a, std::uint32_t b) const {
+        const auto has = [&](std::uint32_t v) { return glm::any(glm::equal(triangles_[b], glm::uvec3(v))); };
+        return has(triangles_[a].x) && has(triangles_[a].y) && has(triangles_[a].z);
+    }
 
 private:
     std::uint32_t vertexAt(std::uint32_t corner) const {
@@ -171,7 +178,7 @@ std::vector<std::uint32_t> walkPart(const Edges& edges, std::uint32_t start, std
             const std::span<const std::uint32_t> sides = edges.sidesOf(edges.edgeOf(side));
             if (sides.size() != 2) continue;
             const std::uint32_t other = sides[0] == side ? sides[1] : sides[0];
-            if (seen[other / 3]) continue;
+            if (seen[other / 3] || edges.haveSameCorners(side / 3, other / 3)) continue;
             seen[other / 3] = true;
             turned[other / 3] = turned[part[i]] != (edges.isForward(side) == edges.isForward(other));
             part.push_back(other / 3);
