@@ -167,6 +167,9 @@ TEST_F(Thesis3ds, RendersAsItsAuthorPlacedIt) {
     EXPECT_TRUE(isBlue(colorAt({3, 0, 2.6}))) << "the pyramid's top";
     EXPECT_EQ(colorAt({3, 0, 3.4}), glm::vec3(0)) << "behind it there is nothing";
     EXPECT_EQ(colorAt({0, 0, 4.5}), glm::vec3(0));
+    // Without smoothing groups the box has sharp edges: its front is of one brightness but for the lamp's
+    // angle.
+    EXPECT_NEAR(colorAt({-2.3, -1, 1.7}).r, colorAt({-2.3, -1, 0.3}).r, 0.25f * colorAt({-2.3, -1, 1}).r);
     // The lamp is on the right: the pyramid's right side is lit, the box throws its shadow to the left.
     EXPECT_GT(colorAt({3.6, -0.5, 1}).b, 1.5f * colorAt({2.35, -0.5, 1}).b);
     EXPECT_GT(colorAt({0, 1, 0}).g, 2.0f * colorAt({-4.8, 0.3, 0}).g);

@@ -126,7 +126,7 @@ OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& al
     requireScene();
     // The importer owns the scene and hands it out for reading only, but made it to be processed further.
     auto& unfinished = const_cast<aiScene&>(*impl_->scene);
-    if (lowerExtension(path) == "3ds") correct3dsCameras(unfinished);
+    if (lowerExtension(path) == "3ds") correct3ds(readFile(path), unfinished);
     impl_->polygons = listPolygons(unfinished);
     impl_->scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     requireScene();

@@ -1,6 +1,7 @@
 #include "tools/rt-import/sandbox.h"
 
 #include "common/error.h"
+#include "common/log.h"
 
 #include <fmt/format.h>
 
@@ -88,7 +89,8 @@ public:
     void add(std::uint32_t action, int call, Conditions... conditions) {
         fail(seccomp_rule_add(context_.get(), action, call, sizeof...(conditions), conditions...));
     }
-    void load() { fail(seccomp_load(context_.get())); }
+    /// 0, or what keeps the kernel from it, negative.
+    int load() { return seccomp_load(context_.get()); }
 
 private:
     static void fail(int status) {
@@ -116,7 +118,9 @@ void enterSandbox() {
     filter.add(SCMP_ACT_ALLOW, SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD));
     // Limits may be asked for, not set.
     filter.add(SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), SCMP_A2(SCMP_CMP_EQ, 0));
-    filter.load();
+    if (const int status = filter.load(); status != 0)
+        logWarning(fmt::format("the loader runs without a sandbox, for this kernel has none: {}",
+                               std::strerror(-status)));
 }
 
 } // namespace rt
