@@ -8,10 +8,14 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <string_view>
 #include <sys/stat.h>
 
 namespace rt {
@@ -153,6 +157,25 @@ std::vector<unsigned> parseSizes(const std::string& text, std::size_t count, con
         throw Error(ErrorKind::Usage,
                     fmt::format("{}: '{}' has {} parts; {} wanted", option, text, sizes.size(), count));
     return sizes;
+}
+
+std::uint64_t parseByteSize(const std::string& text, const std::string& option) {
+    std::uint64_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [rest, status] = std::from_chars(text.data(), end, value);
+    std::string suffix(rest, end);
+    std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    constexpr std::array<std::string_view, 5> kSuffixes{"", "K", "M", "G", "T"};
+    const auto found = std::find(kSuffixes.begin(), kSuffixes.end(), suffix);
+    const auto shift = 10 * (found - kSuffixes.begin());
+    if (status != std::errc() || value == 0 || found == kSuffixes.end() ||
+        value > (~std::uint64_t(0) >> shift))
+        throw Error(ErrorKind::Usage,
+                    fmt::format("{}: '{}' is not a size; write for example 800M or 12G: bytes, or with K, M, "
+                                "G or T multiples of 1024",
+                                option, text));
+    return value << shift;
 }
 
 void writeDepfile(const std::string& path, const std::string& target,

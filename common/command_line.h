@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,10 @@ std::vector<double> parseNumbers(const std::string& text, std::size_t count, con
 /// Parses "N" or "AxB" or "AxBxC" into positive integers; a single N stands for all `count`.
 /// Throws Error{Usage} naming `option`.
 std::vector<unsigned> parseSizes(const std::string& text, std::size_t count, const std::string& option);
+
+/// Parses a number of bytes: digits and, for multiples of 1024 to 1024^4, K, M, G or T in either case.
+/// Throws Error{Usage} naming `option`.
+std::uint64_t parseByteSize(const std::string& text, const std::string& option);
 
 /// Writes a Make/Ninja dependency file: `target: inputs...`, spaces and dollars escaped.
 void writeDepfile(const std::string& path, const std::string& target, const std::vector<std::string>& inputs);

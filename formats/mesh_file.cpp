@@ -114,8 +114,8 @@ void writeMesh(const std::string& path, const Mesh& mesh) {
     writer.write(path);
 }
 
-MeshFile readMesh(const std::string& path) {
-    const SectionFile file(path, kMeshKind);
+MeshFile readMesh(const std::string& path, const std::string& shownAs) {
+    const SectionFile file(path, kMeshKind, shownAs);
     Mesh mesh;
     mesh.positions = file.get<glm::vec3>(kPositions);
     mesh.normals = file.get<glm::vec3>(kNormals);
@@ -130,7 +130,7 @@ MeshFile readMesh(const std::string& path) {
     mesh.cameraKeys = file.get<CameraKey>(kCameraKeys);
     mesh.surroundings = file.get<Surroundings>(kSurroundings);
     mesh.environment = file.get<glm::vec3>(kEnvironment);
-    file.verify([&] { validate(mesh, path); });
+    file.verify([&] { validate(mesh, shownAs.empty() ? path : shownAs); });
     return {std::move(mesh), file.contentHash()};
 }
 

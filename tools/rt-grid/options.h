@@ -21,10 +21,6 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv);
 /// Every file that a run with these options writes; "-" is standard output.
 std::vector<std::string> outputsOf(const GridOptions& options);
 
-/// Parses a number of bytes: digits and, for multiples of 1024 to 1024^4, K, M, G or T in either case.
-/// Throws Error{Usage} naming `option`.
-std::uint64_t parseByteSize(const std::string& text, const std::string& option);
-
 /// Parses "N" (longest side) or "XxYxZ" into `request`. Throws Error{Usage}.
 void parseResolution(const std::string& text, ResolutionRequest& request);
 

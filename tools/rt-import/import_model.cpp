@@ -11,27 +11,37 @@
 #include "tools/rt-import/read_gltf_extras.h"
 #include "tools/rt-import/read_lights.h"
 #include "tools/rt-import/read_scene.h"
-#include "tools/rt-import/repair_mesh.h"
 #include "tools/rt-import/scene_description.h"
 #include "tools/rt-import/scene_parts.h"
-#include "tools/rt-import/weld_vertices.h"
+#include "tools/rt-import/skip_unneeded.h"
 
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <string_view>
 
 namespace rt {
 namespace {
 
-// Of the model's own space.
-Bounds boundsOf(const aiScene& scene) {
+void addFace(const aiFace& face, const MeshInstance& instance, Bounds& bounds) {
+    for (unsigned corner = 0; corner < face.mNumIndices; ++corner) {
+        if (face.mIndices[corner] >= instance.mesh->mNumVertices) continue;
+        const glm::dvec3 vertex(vec3Of(instance.mesh->mVertices[face.mIndices[corner]]));
+        const glm::vec3 position(instance.worldFromMesh * glm::dvec4(vertex, 1.0));
+        if (std::isfinite(position.x + position.y + position.z)) bounds.add(position);
+    }
+}
+
+// Of the triangles' bounds, in the model's own space; the origin where there are none.
+glm::vec3 centreOf(const aiScene& scene) {
     Bounds bounds;
     for (const MeshInstance& instance : listInstances(scene, {glm::dmat4(1.0)}))
-        for (unsigned v = 0; v < instance.mesh->mNumVertices; ++v)
-            bounds.add(
-                glm::vec3(instance.worldFromMesh * glm::dvec4(vec3Of(instance.mesh->mVertices[v]), 1.0)));
-    return bounds;
+        for (unsigned f = 0; f < instance.mesh->mNumFaces; ++f)
+            if (instance.mesh->mFaces[f].mNumIndices == 3) addFace(instance.mesh->mFaces[f], instance, bounds);
+    return bounds.lo.x <= bounds.hi.x ? bounds.centre() : glm::vec3(0.0f);
 }
 
 // A facet of an STL file states its own plane's normal, which would hide the surface's smoothness.
@@ -90,6 +100,16 @@ UsedMaterials readMaterials(const aiScene& scene, const std::vector<bool>& used,
     return materials;
 }
 
+// Assimp adds materials of its own, without a name or with this one.
+std::uint64_t countUnusedMaterials(const aiScene& scene, const std::vector<bool>& used) {
+    std::uint64_t count = 0;
+    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+        const std::string_view name = scene.mMaterials[m]->GetName().C_Str();
+        count += !used[m] && !name.empty() && name != AI_DEFAULT_MATERIAL_NAME;
+    }
+    return count;
+}
+
 // Each of them at each of the model's places.
 template <class Thing>
 void placeAll(const std::vector<Thing>& things, const PlacedModel& model, const char* name,
@@ -106,12 +126,26 @@ void placeAll(const std::vector<Thing>& things, const PlacedModel& model, const 
             fmt::format("{} {} are out of range where they are placed and are left out", broken, name));
 }
 
-SceneParts readParts(const PlacedModel& model, Overrides& overrides, ModelFolder& folder,
-                     std::vector<std::string>& warnings, StageTimer& timer) {
+// Models may leave out the same kind of thing.
+void addLeftOut(const LeftOut& more, std::vector<LeftOut>& leftOut) {
+    const auto same = [&](const LeftOut& other) { return std::string_view(other.what) == more.what; };
+    const auto known = std::find_if(leftOut.begin(), leftOut.end(), same);
+    if (known == leftOut.end()) {
+        leftOut.push_back(more);
+        return;
+    }
+    known->count += more.count;
+    known->bytes += more.bytes;
+}
+
+SceneParts readParts(const PlacedModel& model, const ImportSettings& settings, Overrides& overrides,
+                     ModelFolder& folder, ImportReport& report, std::vector<std::string>& warnings,
+                     StageTimer& timer) {
     timer.begin("read");
-    const OpenModel opened(model.path, folder, warnings);
+    const OpenModel opened(model.path, settings.allowedFormats, folder, warnings, settings.progress);
     const aiScene& scene = opened.scene();
     const std::vector<MeshInstance> instances = listInstances(scene, model.placements);
+    warnOfLost(scene, warnings);
 
     timer.begin("materials");
     SceneParts parts;
@@ -122,13 +156,16 @@ SceneParts readParts(const PlacedModel& model, Overrides& overrides, ModelFolder
     materials.wanted.texcoords = !parts.images.images.empty();
     materials.wanted.normals = hasOwnNormals(model.path);
     for (const MaterialSource& source : materials.sources) parts.materials.push_back(source.material);
+    parts.unusedMaterials = countUnusedMaterials(scene, used);
+    addLeftOut(countUnusedTextures(scene, materials.sources), report.leftOut);
+    addLeftOut(countUnusedTexcoords(instances, materials.wanted), report.leftOut);
 
     timer.begin("soup");
-    parts.soup = readSoup(scene, instances, materials.wanted, model.path);
+    parts.soup = readSoup(opened, instances, materials.wanted, model.path, report.ledger);
     for (std::uint32_t& material : parts.soup.triangleMaterial) material = materials.slotOf[material];
     const SceneryStyle style = styleOf(model.path);
     if (model.lights && scene.mNumLights > 0)
-        placeAll(readLights(scene, extras.lightNodes, boundsOf(scene).centre(), style, warnings), model,
+        placeAll(readLights(scene, extras.lightNodes, centreOf(scene), style, warnings), model,
                  "lights", parts.lights, warnings);
     if (model.cameras)
         placeAll(readCameras(scene, extras.cameraNodes, style, warnings), model, "cameras", parts.cameras,
@@ -142,7 +179,13 @@ void addOnce(const std::vector<std::string>& more, std::vector<std::string>& nam
 }
 
 // All models, one after the other. Warnings name the model where there are several.
-SceneParts readModels(const SceneDescription& scene, ImportedModel& result, StageTimer& timer) {
+SceneParts readModels(const SceneDescription& scene, const ImportSettings& settings, ImportedModel& result,
+                      StageTimer& timer) {
+    constexpr double kReadingShare = 0.5; // of the time, about
+    const auto count = static_cast<double>(scene.models.size());
+    double models = 0.0;
+    ImportSettings ofModel = settings;
+    ofModel.progress = [&](double part) { settings.progress(kReadingShare * (models + part) / count); };
     const bool several = scene.models.size() > 1 || !scene.filesRead.empty();
     std::vector<std::string>& warnings = result.report.warnings;
     Overrides overrides{scene.overrides, std::vector<bool>(scene.overrides.size())};
@@ -150,7 +193,8 @@ SceneParts readModels(const SceneDescription& scene, ImportedModel& result, Stag
     for (const PlacedModel& model : scene.models) {
         ModelFolder folder(model.path, model.folders);
         std::vector<std::string> own;
-        append(readParts(model, overrides, folder, own, timer), whole, model.path);
+        append(readParts(model, ofModel, overrides, folder, result.report, own, timer), whole, model.path);
+        models += 1.0;
         for (const std::string& warning : own)
             warnings.push_back(several ? model.path + ": " + warning : warning);
         addOnce(folder.filesRead(), result.filesRead);
@@ -183,34 +227,68 @@ void addDescribed(SceneDescription& scene, const SceneParts& parts, Mesh& mesh) 
     mesh.environment = std::move(scene.environment.pixels);
 }
 
+void skipUnneeded(SceneParts& parts, std::vector<LeftOut>& leftOut) {
+    leftOut.push_back(countUnusedVertices(parts.soup));
+    const std::uint64_t unused =
+        parts.unusedMaterials + dropUnusedMaterials(parts.soup.triangleMaterial, parts.materials);
+    leftOut.push_back({"unusedMaterials", unused, unused * sizeof(Material)});
+    leftOut.push_back(dropUnusedImages(parts.materials, parts.images));
+}
+
+// 1500 materials may miss the same texture.
+void countRepeats(std::vector<std::string>& warnings) {
+    std::vector<std::string> distinct;
+    std::map<std::string, unsigned> counts;
+    for (std::string& warning : warnings)
+        if (counts[warning]++ == 0) distinct.push_back(std::move(warning));
+    for (std::string& warning : distinct)
+        if (const unsigned count = counts[warning]; count > 1) warning += fmt::format(" ({} times)", count);
+    warnings = std::move(distinct);
+}
+
+void requireFlawless(const ImportReport& report, const std::string& path) {
+    std::vector<std::string> faults = report.ledger.lines();
+    faults.insert(faults.end(), report.warnings.begin(), report.warnings.end());
+    if (faults.empty()) return;
+    const std::string more = faults.size() > 1 ? fmt::format(" (and {} more)", faults.size() - 1) : "";
+    throw Error(ErrorKind::InvalidContent,
+                fmt::format("{}: {}{}; --strict takes only what needs no repair", path, faults[0], more));
+}
+
 } // namespace
 
-ImportedModel importScene(const SceneSources& sources, double creaseDegrees, StageTimer& timer) {
+std::string nameOf(const SceneSources& sources) {
+    return fmt::format("{}", fmt::join(sources.inputs, ", "));
+}
+
+ImportedModel importScene(const SceneSources& sources, const ImportSettings& settings, StageTimer& timer) {
     ImportedModel result;
+    ImportReport& report = result.report;
     timer.begin("describe");
     SceneDescription scene = describeScene(sources.inputs, sources.roots);
-    result.report.warnings = scene.warnings;
+    report.warnings = scene.warnings;
     addOnce(scene.filesRead, result.filesRead);
-    SceneParts parts = readModels(scene, result, timer);
-    const std::string name = fmt::format("{}", fmt::join(sources.inputs, ", "));
-    if (parts.soup.triangles.empty())
-        throw Error(ErrorKind::InvalidContent, name + ": has no triangles; nothing could be seen");
-    if (scene.models.size() > 1)
-        requireFiniteWorld(parts.soup, name); // each of them is, but are they together?
-    result.report.droppedFaces = parts.soup.droppedFaces;
+    SceneParts parts = readModels(scene, settings, result, timer);
+    const std::string name = nameOf(sources);
+    requireTriangles(parts.soup, name, report.ledger);
+    settings.progress(0.6);
 
     timer.begin("repair");
-    const Weld weld = weldPositions(parts.soup);
-    result.report.weldedVertices = weld.positions.size();
-    result.report.generatedNormals = countMissingNormals(parts.soup);
-    const RepairedSurface surface =
-        repairSurface(weld.positions, weld.triangles, creaseDegrees, result.report.generatedNormals > 0);
-    result.report.degenerateTriangles = surface.degenerateTriangles;
-    result.report.nonManifoldFaces = surface.nonManifoldFaces;
+    report.leftOut.push_back(dropInvisible(parts.materials, parts.soup));
+    const RepairedSurface surface = repairSoup(parts.soup, settings.repair, name, report.ledger);
+    report.weldedVertices = surface.weld.positions.size();
+    report.movedVertices = surface.weld.movedPositions;
+    report.generatedNormals = surface.generatedNormals;
+    report.decimatedFrom = surface.decimatedFrom;
+    report.surface = surface.figures;
+    settings.progress(0.9);
 
     timer.begin("merge");
+    skipUnneeded(parts, report.leftOut);
+    countRepeats(report.warnings);
+    if (settings.strict) requireFlawless(report, name);
     Mesh& mesh = result.mesh;
-    mesh = mergeCorners(parts.soup, weld, surface.cornerNormals);
+    mesh = mergeCorners(parts.soup, surface.weld, surface.cornerNormals);
     mesh.triangleMaterial = std::move(parts.soup.triangleMaterial);
     mesh.materials = std::move(parts.materials);
     mesh.images = std::move(parts.images.images);
@@ -221,8 +299,8 @@ ImportedModel importScene(const SceneSources& sources, double creaseDegrees, Sta
     return result;
 }
 
-ImportedModel importModel(const std::string& path, double creaseDegrees, StageTimer& timer) {
-    return importScene({{path}, {}}, creaseDegrees, timer);
+ImportedModel importModel(const std::string& path, const ImportSettings& settings, StageTimer& timer) {
+    return importScene({{path}, {}}, settings, timer);
 }
 
 } // namespace rt

@@ -1,5 +1,6 @@
 #pragma once
 #include "common/command_line.h"
+#include "tools/rt-import/guard_process.h"
 #include "tools/rt-import/import_model.h"
 
 #include <string>
@@ -11,7 +12,9 @@ struct ImportOptions {
     CommonOptions common;
     SceneSources sources;
     std::string outputPath;
-    double creaseDegrees = 45.0;
+    ImportSettings settings;
+    GuardLimits limits;
+    bool listFormats = false; ///< and nothing else
 };
 
 /// Returns false when --help or --version was asked for and printed. Throws Error{Usage}.

@@ -4,9 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <map>
-
 namespace rt {
 namespace {
 
@@ -45,53 +42,24 @@ void appendSoup(const SceneSoup& part, std::uint32_t firstMaterial, SceneSoup& w
         whole.triangles.push_back(triangle + static_cast<std::uint32_t>(before));
     for (const std::uint32_t material : part.triangleMaterial)
         whole.triangleMaterial.push_back(material + firstMaterial);
-    whole.droppedFaces += part.droppedFaces;
+    appendAll(part.origins, whole.origins);
 }
 
-std::span<const std::uint32_t> pixelsOf(const MeshImage& image, const LoadedImages& images) {
-    return {images.pixels.data() + image.firstPixel, std::size_t(image.width) * image.height};
-}
-
-// Where the same pixels are already, or will be once they are added.
-std::uint64_t placeOf(const MeshImage& image, const LoadedImages& part, LoadedImages& whole,
-                      const std::string& name) {
-    const auto pixels = pixelsOf(image, part);
-    for (const MeshImage& other : whole.images)
-        if (other.width == image.width && other.height == image.height &&
-            std::ranges::equal(pixelsOf(other, whole), pixels))
-            return other.firstPixel;
-    if (whole.pixels.size() + pixels.size() > kMaxPixels)
+void requireRoom(const LoadedImages& part, const LoadedImages& whole, const std::string& name) {
+    if (whole.pixels.size() + part.pixels.size() > kMaxPixels)
         throw Error(
             ErrorKind::LimitExceeded,
             fmt::format("{}: with this model the textures exceed {} pixels (2^30 bytes) in all; scale them "
                         "down",
                         name, kMaxPixels));
-    whole.pixels.insert(whole.pixels.end(), pixels.begin(), pixels.end());
-    return whole.pixels.size() - pixels.size();
 }
 
-// The new number of each of the part's images.
-std::vector<std::uint32_t> appendImages(const LoadedImages& part, LoadedImages& whole,
-                                        const std::string& name) {
-    std::vector<std::uint32_t> numbers;
-    std::map<std::uint64_t, std::uint64_t> places; // pixels that images of the part share are looked for once
+void appendImages(const LoadedImages& part, LoadedImages& whole) {
     for (MeshImage image : part.images) {
-        const auto [place, isNew] = places.try_emplace(image.firstPixel, 0);
-        if (isNew) place->second = placeOf(image, part, whole, name);
-        image.firstPixel = place->second;
-        const auto same = [&](const MeshImage& other) {
-            return other.firstPixel == image.firstPixel && other.wrapU == image.wrapU &&
-                   other.wrapV == image.wrapV && other.space == image.space;
-        };
-        const auto known = std::find_if(whole.images.begin(), whole.images.end(), same);
-        numbers.push_back(static_cast<std::uint32_t>(known - whole.images.begin()));
-        if (known == whole.images.end()) whole.images.push_back(image);
+        image.firstPixel += whole.pixels.size();
+        whole.images.push_back(image);
     }
-    return numbers;
-}
-
-void renumber(const std::vector<std::uint32_t>& numbers, std::uint32_t& image) {
-    if (image != kNoImage) image = numbers[image];
+    appendAll(part.pixels, whole.pixels);
 }
 
 } // namespace
@@ -99,6 +67,7 @@ void renumber(const std::vector<std::uint32_t>& numbers, std::uint32_t& image) {
 void append(SceneParts&& part, SceneParts& whole, const std::string& name) {
     appendAll(part.lights, whole.lights);
     appendAll(part.cameras, whole.cameras);
+    whole.unusedMaterials += part.unusedMaterials;
     if (whole.materials.empty()) { // the first one with triangles, and mostly the only one: nothing is copied
         whole.soup = std::move(part.soup);
         whole.materials = std::move(part.materials);
@@ -107,11 +76,14 @@ void append(SceneParts&& part, SceneParts& whole, const std::string& name) {
     }
     requireRoom(part, whole, name);
     appendSoup(part.soup, static_cast<std::uint32_t>(whole.materials.size()), whole.soup);
-    const std::vector<std::uint32_t> numbers = appendImages(part.images, whole.images, name);
+    requireRoom(part.images, whole.images, name);
+    const auto firstImage = static_cast<std::uint32_t>(whole.images.images.size());
     for (Material& material : part.materials) {
-        for (int i = 0; i < 4; ++i) renumber(numbers, material.images[i]);
-        renumber(numbers, material.more.x);
+        for (int i = 0; i < 4; ++i)
+            if (material.images[i] != kNoImage) material.images[i] += firstImage;
+        if (material.more.x != kNoImage) material.more.x += firstImage;
     }
+    appendImages(part.images, whole.images);
     appendAll(part.materials, whole.materials);
 }
 

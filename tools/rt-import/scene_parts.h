@@ -12,12 +12,13 @@ namespace rt {
 struct SceneParts {
     SceneSoup soup; ///< its materials are those below
     std::vector<Material> materials;
+    std::uint64_t unusedMaterials = 0; ///< of the files
     LoadedImages images;
     std::vector<Light> lights;
     std::vector<NamedCamera> cameras; ///< names may be there twice
 };
 
-/// Adds a model's parts behind those of others. Images that are there already are shared. Throws
+/// Adds a model's parts behind those of others. Throws
 /// Error{LimitExceeded} for more than can be counted or kept, message prefixed by `name`.
 void append(SceneParts&& part, SceneParts& whole, const std::string& name);
 
