@@ -114,6 +114,19 @@ TEST(ImportGuard, AbandonedChildrenEnd) {
     close(ends[0]);
 }
 
+TEST(ImportGuard, FloodsAreCut) {
+    const auto guard = start([&](GuardProcess& child) {
+        const std::string flood(3u << 20, 'x');
+        if (write(STDERR_FILENO, flood.data(), flood.size()) < 0) return 1;
+        child.send(test::makeSphere(1), std::string(65u << 20, ' '));
+        return 0;
+    });
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(guard->wait(), 0);
+    EXPECT_EQ(testing::internal::GetCapturedStderr().size(), 1u << 20);
+    expectError(ErrorKind::InvalidContent, "exceeds 67108864", [&] { guard->receive(); });
+}
+
 TEST(ImportGuard, WhatIsNoMeshIsNotBelieved) {
     const auto guard = start([](GuardProcess&) {
         const std::string junk(1000, 'x');

@@ -192,6 +192,16 @@ TEST(ImportRepair, DecimatedSphereStaysASphere) {
     }
 }
 
+TEST(ImportRepair, ProgressGrowsToItsEnd) {
+    SceneSoup soup = makeSphere(5);
+    Ledger ledger;
+    std::vector<double> parts;
+    repairSoup(soup, {.decimateRatio = 0.1}, "test", ledger, [&](double part) { parts.push_back(part); });
+    EXPECT_GE(parts.size(), 5u);
+    EXPECT_TRUE(std::is_sorted(parts.begin(), parts.end()));
+    EXPECT_LE(parts.back(), 1.0);
+}
+
 TEST(ImportRepair, DecimatedSquareKeepsItsBorder) {
     const Repaired repaired = repair(makeGrid(40), {.maxTriangles = 20});
     EXPECT_LE(repaired.mesh.triangles.size(), 20u);

@@ -26,7 +26,7 @@ inline SceneSoup makeSoup(std::vector<glm::vec3> positions, std::vector<glm::uve
 inline Repaired repair(SceneSoup soup, const RepairOptions& options = {}) {
     Repaired result;
     result.ledger.addMesh("m");
-    result.surface = repairSoup(soup, options, "test", result.ledger);
+    result.surface = repairSoup(soup, options, "test", result.ledger, [](double) {});
     result.mesh = mergeCorners(soup, result.surface.weld, result.surface.cornerNormals);
     result.mesh.triangleMaterial = std::move(soup.triangleMaterial);
     return result;

@@ -10,6 +10,7 @@
 #include <OpenMesh/Core/Geometry/QuadricT.hh>
 #include <OpenMesh/Tools/Decimater/DecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
+#include <OpenMesh/Tools/Decimater/Observer.hh>
 
 #include <algorithm>
 
@@ -119,6 +120,18 @@ void SurfaceQuadrics::preprocess_collapse(const CollapseInfo& collapse) {
     }
 }
 
+class DecimationProgress : public OpenMesh::Decimater::Observer {
+public:
+    DecimationProgress(std::size_t collapses, const std::function<void(double)>& progress)
+        : Observer(kInterval), collapses_(static_cast<double>(collapses)), progress_(progress) {}
+    void notify(std::size_t step) override { progress_(static_cast<double>(step) / collapses_); }
+
+private:
+    static constexpr std::size_t kInterval = 1000;
+    double collapses_;
+    const std::function<void(double)>& progress_;
+};
+
 // Points are moved to a box of side 1 round the origin, so that no error under- or overflows.
 void setPoints(HalfedgeMesh& mesh, const Weld& weld, const SplitSurface& surface) {
     Bounds bounds;
@@ -166,7 +179,8 @@ void lockSeams(HalfedgeMesh& mesh, const SceneSoup& soup, const SplitSurface& su
 
 } // namespace
 
-void decimate(SceneSoup& soup, const Weld& weld, SplitSurface surface, std::size_t target) {
+void decimate(SceneSoup& soup, const Weld& weld, SplitSurface surface, std::size_t target,
+              const std::function<void(double)>& progress) {
     omerr().disable(); // it announces each face that it refuses
     HalfedgeMesh mesh;
     addFaces(mesh, surface);
@@ -186,6 +200,9 @@ void decimate(SceneSoup& soup, const Weld& weld, SplitSurface surface, std::size
     decimater.add(flipping);
     decimater.module(quadrics).setSurface(surface.triangles, soup.triangles);
     decimater.initialize();
+    DecimationProgress observer((soup.triangles.size() - target) / 2 + 1,
+                                progress); // each takes two triangles
+    decimater.set_observer(&observer);
     decimater.decimate_to_faces(0, target);
     std::vector<bool> dropped(soup.triangles.size());
     for (std::size_t face = 0; face < dropped.size(); ++face)

@@ -68,9 +68,11 @@ void limit(int resource, rlim_t value) {
 
 // Control characters, which a terminal might obey, become spaces.
 void passOn(int errors) {
+    constexpr int kMostBlocks = 256;
     lseek(errors, 0, SEEK_SET);
     std::array<char, 4096> block;
-    for (ssize_t got; (got = read(errors, block.data(), block.size())) > 0;) {
+    ssize_t got = 0;
+    for (int i = 0; i < kMostBlocks && (got = read(errors, block.data(), block.size())) > 0; ++i) {
         const auto end = block.begin() + got;
         std::replace_if(
             block.begin(), end,
@@ -222,7 +224,14 @@ int GuardProcess::wait() {
 }
 
 ReceivedMesh GuardProcess::receive() const {
+    constexpr std::size_t kMostMessageBytes = 64u << 20;
     const SharedSpan<std::byte> message = readFile(impl_->message.path());
+    if (message.size() > kMostMessageBytes)
+        throw Error(
+            ErrorKind::InvalidContent,
+            fmt::format("{}: its loader's report of {} bytes exceeds {}; the file is damaged, or made to "
+                        "do harm",
+                        impl_->name, message.size(), kMostMessageBytes));
     return {readMesh(impl_->mesh.path(), impl_->name + ": what its loader made of it").mesh,
             readFile(impl_->mesh.path()),
             std::string(reinterpret_cast<const char*>(message.data()), message.size())};

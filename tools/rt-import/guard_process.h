@@ -9,16 +9,16 @@
 
 namespace rt {
 
-struct GuardLimits {
-    MemoryLimit memory; ///< of the address space, and of what is handed over
-    double seconds = 300.0;
-};
-
 /// How much reading files of that many bytes in all may take: 2 GiB or kMemoryPerByte times as much,
 /// whichever is more, but not over what is left to any program here.
 MemoryLimit readingMemoryLimit(std::uint64_t fileBytes);
 inline constexpr std::uint64_t kLeastMemory = std::uint64_t(2) << 30;
 inline constexpr std::uint64_t kMemoryPerByte = 100;
+
+struct GuardLimits {
+    MemoryLimit memory = readingMemoryLimit(0); ///< of the address space, and of what is handed over
+    double seconds = 300.0;
+};
 
 /// What a child handed over, checked.
 struct ReceivedMesh {
@@ -49,9 +49,10 @@ public:
 
     /// Parent: waits for the child's end, passes on what it wrote to standard error, and returns its exit
     /// code. Throws Error{InvalidContent} if the child was killed by a signal, and Error{LimitExceeded} if it
-    /// used up its time or memory; nothing that it printed is shown then.
+    /// used up its time or memory; nothing that it printed is shown then. No more than 1 MiB is, in any case.
     int wait();
-    /// Parent, after wait() returned 0. Throws Error{InvalidContent} if that is no valid mesh.
+    /// Parent, after wait() returned 0. Throws Error{InvalidContent} if that is no valid mesh, or the message
+    /// longer than 64 MiB.
     ReceivedMesh receive() const;
 
 private:

@@ -104,7 +104,7 @@ UsedMaterials readMaterials(const aiScene& scene, const std::vector<bool>& used,
 std::uint64_t countUnusedMaterials(const aiScene& scene, const std::vector<bool>& used) {
     std::uint64_t count = 0;
     for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
-        const std::string_view name = scene.mMaterials[m]->GetName().C_Str();
+        const std::string name = scene.mMaterials[m]->GetName().C_Str();
         count += !used[m] && !name.empty() && name != AI_DEFAULT_MATERIAL_NAME;
     }
     return count;
@@ -275,13 +275,13 @@ ImportedModel importScene(const SceneSources& sources, const ImportSettings& set
 
     timer.begin("repair");
     report.leftOut.push_back(dropInvisible(parts.materials, parts.soup));
-    const RepairedSurface surface = repairSoup(parts.soup, settings.repair, name, report.ledger);
+    const RepairedSurface surface = repairSoup(parts.soup, settings.repair, name, report.ledger,
+                                               [&](double part) { settings.progress(0.6 + 0.3 * part); });
     report.weldedVertices = surface.weld.positions.size();
     report.movedVertices = surface.weld.movedPositions;
     report.generatedNormals = surface.generatedNormals;
     report.decimatedFrom = surface.decimatedFrom;
     report.surface = surface.figures;
-    settings.progress(0.9);
 
     timer.begin("merge");
     skipUnneeded(parts, report.leftOut);

@@ -92,11 +92,12 @@ void requireAtMost(std::uint64_t limit, const SceneSoup& soup, const std::string
 
 // Decimates if that is wanted, and splits what is left anew.
 void decimateAsAsked(SceneSoup& soup, SplitSurface& surface, const RepairOptions& options,
-                     const std::string& path, RepairedSurface& result) {
+                     const std::string& path, const std::function<void(double)>& progress,
+                     RepairedSurface& result) {
     const std::uint64_t wanted = wantedTriangles(soup, options);
     if (wanted >= soup.triangles.size()) return;
     result.decimatedFrom = soup.triangles.size();
-    decimate(soup, result.weld, std::move(surface), wanted);
+    decimate(soup, result.weld, std::move(surface), wanted, progress);
     requireAtMost(options.maxTriangles, soup, path);
     result.weld = weldPositions(soup, options.weldDistance);
     Ledger known; // the defects that are left were entered before
@@ -120,15 +121,19 @@ void dropFlatFaces(SceneSoup& soup, RepairedSurface& result, Ledger& ledger) {
 } // namespace
 
 RepairedSurface repairSoup(SceneSoup& soup, const RepairOptions& options, const std::string& path,
-                           Ledger& ledger) {
+                           Ledger& ledger, const std::function<void(double)>& progress) {
     requireTriangles(soup, path, ledger);
     requireFiniteExtent(soup, path);
     RepairedSurface result;
     result.weld = weldPositions(soup, options.weldDistance);
+    progress(0.1);
     drop(findNeedless(soup, result.weld, ledger), soup, result.weld);
     requireTriangles(soup, path, ledger);
+    progress(0.2);
     SplitSurface surface = turnAndSplit(soup, result.weld, ledger);
-    decimateAsAsked(soup, surface, options, path, result);
+    progress(0.5);
+    decimateAsAsked(
+        soup, surface, options, path, [&](double part) { progress(0.5 + 0.4 * part); }, result);
     result.figures = surface.figures;
     result.generatedNormals = countMissingNormals(soup);
     if (result.generatedNormals > 0)

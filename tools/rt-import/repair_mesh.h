@@ -3,6 +3,7 @@
 #include "tools/rt-import/surface_topology.h"
 #include "tools/rt-import/weld_vertices.h"
 
+#include <functional>
 #include <string>
 
 namespace rt {
@@ -26,7 +27,8 @@ struct RepairedSurface {
 /// decimates, and generates the normals that are missing. What it finds goes into `ledger`. Throws
 /// Error{InvalidContent} if no triangle is left or the scene is too wide for 32-bit floats, and
 /// Error{LimitExceeded} if decimation cannot reach options.maxTriangles; messages prefixed by `path`.
+/// `progress` is told which part is done, 0 to 1.
 RepairedSurface repairSoup(SceneSoup& soup, const RepairOptions& options, const std::string& path,
-                           Ledger& ledger);
+                           Ledger& ledger, const std::function<void(double)>& progress);
 
 } // namespace rt
