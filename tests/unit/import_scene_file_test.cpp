@@ -390,9 +390,10 @@ TEST_F(SceneFiles, WarningsNameTheModelWhereThereAreSeveral) {
     write("t.mtl", "newmtl stone\nmap_Kd gone.ppm\n");
     EXPECT_THAT(importInputs({"t.obj"}).report.warnings,
                 ElementsAre(testing::StartsWith("material 'stone'")));
-    const std::string named = path("t.obj") + ": material 'stone'";
-    EXPECT_THAT(importInputs({"t.obj", "t.obj"}).report.warnings,
-                ElementsAre(testing::StartsWith(named), testing::StartsWith(named)));
+    write("u.obj", "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl stone\nf 1 2 3\n");
+    EXPECT_THAT(importInputs({"t.obj", "u.obj"}).report.warnings,
+                ElementsAre(testing::StartsWith(path("t.obj") + ": material 'stone'"),
+                            testing::StartsWith(path("u.obj") + ": material 'stone'")));
 }
 
 TEST_F(SceneFiles, AModelWithoutTrianglesIsNoErrorBesideOthers) {

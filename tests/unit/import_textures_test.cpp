@@ -136,7 +136,7 @@ TEST_F(FloatTextures, NumbersStayNumbers) {
 }
 
 TEST_F(FloatTextures, RadianceIsReadByItsContent) {
-    write("c.png", std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x82", 51));
+    write("c.png", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x82");
     const Mesh mesh = importMaterial("Ke 1 1 1\nmap_Ke c.png\n");
     EXPECT_THAT(warnings, IsEmpty());
     EXPECT_EQ(mesh.materials[0].emission, glm::vec4(2, 2, 2, 0)); // 0x80 * 2^(0x82 - 136) = 2

@@ -20,18 +20,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace rt {
 namespace {
 
-// Of the model's own space.
-Bounds boundsOf(const aiScene& scene) {
+void addFace(const aiFace& face, const MeshInstance& instance, Bounds& bounds) {
+    for (unsigned corner = 0; corner < face.mNumIndices; ++corner) {
+        if (face.mIndices[corner] >= instance.mesh->mNumVertices) continue;
+        const glm::dvec3 vertex(vec3Of(instance.mesh->mVertices[face.mIndices[corner]]));
+        const glm::vec3 position(instance.worldFromMesh * glm::dvec4(vertex, 1.0));
+        if (std::isfinite(position.x + position.y + position.z)) bounds.add(position);
+    }
+}
+
+// Of the triangles' bounds, in the model's own space; the origin where there are none.
+glm::vec3 centreOf(const aiScene& scene) {
     Bounds bounds;
     for (const MeshInstance& instance : listInstances(scene, {glm::dmat4(1.0)}))
-        for (unsigned v = 0; v < instance.mesh->mNumVertices; ++v)
-            bounds.add(
-                glm::vec3(instance.worldFromMesh * glm::dvec4(vec3Of(instance.mesh->mVertices[v]), 1.0)));
-    return bounds;
+        for (unsigned f = 0; f < instance.mesh->mNumFaces; ++f)
+            if (instance.mesh->mFaces[f].mNumIndices == 3)
+                addFace(instance.mesh->mFaces[f], instance, bounds);
+    return bounds.lo.x <= bounds.hi.x ? bounds.centre() : glm::vec3(0.0f);
 }
 
 // A facet of an STL file states its own plane's normal, which would hide the surface's smoothness.
@@ -128,8 +138,8 @@ SceneParts readParts(const PlacedModel& model, Overrides& overrides, ModelFolder
     for (std::uint32_t& material : parts.soup.triangleMaterial) material = materials.slotOf[material];
     const SceneryStyle style = styleOf(model.path);
     if (model.lights && scene.mNumLights > 0)
-        placeAll(readLights(scene, extras.lightNodes, boundsOf(scene).centre(), style, warnings), model,
-                 "lights", parts.lights, warnings);
+        placeAll(readLights(scene, extras.lightNodes, centreOf(scene), style, warnings), model, "lights",
+                 parts.lights, warnings);
     if (model.cameras)
         placeAll(readCameras(scene, extras.cameraNodes, style, warnings), model, "cameras", parts.cameras,
                  warnings);
