@@ -40,7 +40,8 @@ glm::vec3 centreOf(const aiScene& scene) {
     Bounds bounds;
     for (const MeshInstance& instance : listInstances(scene, {glm::dmat4(1.0)}))
         for (unsigned f = 0; f < instance.mesh->mNumFaces; ++f)
-            if (instance.mesh->mFaces[f].mNumIndices == 3) addFace(instance.mesh->mFaces[f], instance, bounds);
+            if (instance.mesh->mFaces[f].mNumIndices == 3)
+                addFace(instance.mesh->mFaces[f], instance, bounds);
     return bounds.lo.x <= bounds.hi.x ? bounds.centre() : glm::vec3(0.0f);
 }
 
@@ -165,8 +166,8 @@ SceneParts readParts(const PlacedModel& model, const ImportSettings& settings, O
     for (std::uint32_t& material : parts.soup.triangleMaterial) material = materials.slotOf[material];
     const SceneryStyle style = styleOf(model.path);
     if (model.lights && scene.mNumLights > 0)
-        placeAll(readLights(scene, extras.lightNodes, centreOf(scene), style, warnings), model,
-                 "lights", parts.lights, warnings);
+        placeAll(readLights(scene, extras.lightNodes, centreOf(scene), style, warnings), model, "lights",
+                 parts.lights, warnings);
     if (model.cameras)
         placeAll(readCameras(scene, extras.cameraNodes, style, warnings), model, "cameras", parts.cameras,
                  warnings);
