@@ -49,7 +49,9 @@ std::string durationText(double seconds) {
 std::string progressText(const std::string& unit, double done, double total, double rate) {
     std::string text = fmt::format("{:.0f} %", total > 0.0 ? std::floor(100.0 * done / total) : 100.0);
     if (!(rate > 0.0)) return text;
-    return text + fmt::format(", {}, {} left", rateText(unit, rate), durationText((total - done) / rate));
+    const std::string left = durationText((total - done) / rate);
+    return text + (unit.empty() ? fmt::format(", {} left", left)
+                                : fmt::format(", {}, {} left", rateText(unit, rate), left));
 }
 
 Progress::Progress(std::string unit, double total, double done)

@@ -43,7 +43,8 @@ private:
     std::unique_ptr<Thread> thread_; // none where nothing appears
 };
 
-/// "43 %, 12.5 M samples/s, 1 min 20 s left". `rate` in units per second, 0 if it is not known.
+/// "43 %, 12.5 M samples/s, 1 min 20 s left", without the rate if the unit has no name. `rate` in units per
+/// second, 0 if it is not known.
 std::string progressText(const std::string& unit, double done, double total, double rate);
 
 /// "850 ms", "12 s", "1 min 20 s", "3 h 05 min".

@@ -44,6 +44,9 @@ struct Atlas {
     SharedSpan<ImagePlace> images;
     SharedSpan<std::uint32_t>
         pages; ///< pageCount * pageHeight * pageWidth RGBA8 texels, R in the lowest byte
+    SharedSpan<CameraKey> cameraKeys;
+    SharedSpan<Surroundings> surroundings; ///< one or none
+    SharedSpan<glm::vec3> environment;
 
     std::uint64_t voxelCount() const { return std::uint64_t(grid.dims.x) * grid.dims.y * grid.dims.z; }
 };

@@ -14,7 +14,7 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 3, 0, ".rtatlas"};
+constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 3, 1, ".rtatlas"};
 
 constexpr std::uint32_t kInfo = sectionId("INFO");
 constexpr std::uint32_t kGrid = sectionId("GRID");
@@ -30,6 +30,9 @@ constexpr std::uint32_t kLights = sectionId("LITE");
 constexpr std::uint32_t kCameras = sectionId("CAMS");
 constexpr std::uint32_t kImages = sectionId("IMGS");
 constexpr std::uint32_t kPages = sectionId("TEXP");
+constexpr std::uint32_t kCameraKeys = sectionId("PATH");
+constexpr std::uint32_t kSurroundings = sectionId("SURR");
+constexpr std::uint32_t kEnvironment = sectionId("ENVP");
 
 class Validator {
 public:
@@ -130,6 +133,8 @@ void validateShadingSizes(const Atlas& atlas, const Validator& check) {
                                   : atlas.pages.size() % pageTexels == 0 &&
                                         atlas.pages.size() / pageTexels == info.pageCount,
                   "number of texels is not that of the texture pages");
+    check.require(areValid(atlas.surroundings, atlas.environment.size()),
+                  "background or environment out of range");
 }
 
 void validateShading(const Atlas& atlas, const Validator& check) {
@@ -150,6 +155,9 @@ void validateShading(const Atlas& atlas, const Validator& check) {
     check.requireEach(atlas.lights, "light", [](const Light& l) { return isValid(l); });
     check.requireEach(atlas.cameras, "camera", [](const NamedCamera& c) { return isValid(c); });
     check.require(haveUniqueNames(atlas.cameras), "two cameras have one name");
+    check.require(areValid(atlas.cameraKeys, atlas.cameras.size()),
+                  "a camera's path is out of range or order");
+    check.requireEach(atlas.environment, "environment pixel", isLight);
     const AtlasInfo& info = atlas.info;
     check.requireEach(atlas.images, "image", [&](const ImagePlace& image) {
         const glm::uvec2 extent = extentWithLevels(image.rect.z, image.rect.w);
@@ -208,6 +216,9 @@ void writeAtlas(const std::string& path, const Atlas& atlas) {
         writer.add<ImagePlace>(kImages, atlas.images);
         writer.add<std::uint32_t>(kPages, atlas.pages);
     }
+    if (!atlas.cameraKeys.empty()) writer.add<CameraKey>(kCameraKeys, atlas.cameraKeys);
+    if (!atlas.surroundings.empty()) writer.add<Surroundings>(kSurroundings, atlas.surroundings);
+    if (!atlas.environment.empty()) writer.add<glm::vec3>(kEnvironment, atlas.environment);
     writer.write(path);
 }
 
@@ -232,6 +243,9 @@ MappedAtlas::MappedAtlas(const std::string& path)
     atlas.cameras = file.get<NamedCamera>(kCameras);
     atlas.images = file.get<ImagePlace>(kImages);
     atlas.pages = file.get<std::uint32_t>(kPages);
+    atlas.cameraKeys = file.get<CameraKey>(kCameraKeys);
+    atlas.surroundings = file.get<Surroundings>(kSurroundings);
+    atlas.environment = file.get<glm::vec3>(kEnvironment);
 }
 
 MappedAtlas::~MappedAtlas() = default;

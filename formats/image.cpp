@@ -38,6 +38,20 @@ double decodeSrgb(double encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+double encodeSrgb(double linear) {
+    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+}
+
+const ImageChannel& colorChannel(const Image& image, const char* channel, const std::string& name) {
+    const ImageChannel* found = image.find(channel);
+    if (!found) found = image.find("Y");
+    if (!found || found->type == ImageChannel::Type::Uint)
+        throw Error(
+            ErrorKind::InvalidContent,
+            fmt::format("{}: lacks the channel {}; a picture of light has R, G, B or Y", name, channel));
+    return *found;
+}
+
 void writeImage(const std::string& path, const Image& image) {
     writeFile(path, encodeImage(path, image));
 }

@@ -49,6 +49,11 @@ std::optional<ImageFileType> imageFileType(const std::string& path);
 
 /// Linear light of an sRGB-encoded value, both 0 to 1. Source: IEC 61966-2-1.
 double decodeSrgb(double encoded);
+double encodeSrgb(double linear);
+
+/// The channel "R", "G" or "B", or Y in its place. Throws Error{InvalidContent} prefixed by `name` if the
+/// image has neither.
+const ImageChannel& colorChannel(const Image& image, const char* channel, const std::string& name);
 
 /// The bytes of a single-part scanline EXR with ZIP compression, or of a PNG, which does not know of frames,
 /// of R, G, B (A) clamped to [0,1] and sRGB-encoded, by the path's extension. Same image, same bytes. Throws

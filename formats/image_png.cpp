@@ -23,11 +23,6 @@ double clampToUnit(float value) {
     return std::isfinite(value) ? std::clamp(double(value), 0.0, 1.0) : 0.0;
 }
 
-// Source: IEC 61966-2-1 (sRGB).
-double encodeSrgb(double linear) {
-    return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
-}
-
 const ImageChannel* findValues(const Image& image, const char* name) {
     const ImageChannel* channel = image.find(name);
     return channel && channel->type != ImageChannel::Type::Uint ? channel : nullptr;

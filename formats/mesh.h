@@ -22,7 +22,8 @@ static_assert(sizeof(MeshImage) == 32);
 
 inline constexpr std::uint32_t kCameraPerspective = 0;
 inline constexpr std::uint32_t kCameraOrthographic = 1;
-inline constexpr std::uint32_t kCameraKinds = 2; ///< that files hold
+inline constexpr std::uint32_t kCameraPanorama = 2; ///< 360 by 180 degrees round the eye
+inline constexpr std::uint32_t kCameraKinds = 3;    ///< that files hold
 
 /// A camera that a file names, in world space.
 struct NamedCamera {
@@ -39,6 +40,29 @@ struct NamedCamera {
 };
 static_assert(sizeof(NamedCamera) == 176);
 
+/// Where a camera is at one frame of its path; on straight lines between its frames.
+struct CameraKey {
+    double frame = 0.0;
+    glm::dvec3 eye{0.0}; ///< world space, as the next two
+    glm::dvec3 lookAt{0.0};
+    glm::dvec3 up{0.0, 1.0, 0.0};
+    double fovDegrees = 0.0;  ///< perspective: of the picture's height, inside (0, 180)
+    std::uint32_t camera = 0; ///< index of the scene's camera
+    std::uint32_t zero = 0;
+};
+static_assert(sizeof(CameraKey) == 96);
+
+/// What is seen behind the scene.
+struct Surroundings {
+    float background[3]{};           ///< radiance, >= 0, where there is no environment
+    std::uint32_t hasBackground = 0; ///< 1 = it is stated
+    float strength = 1.0f;           ///< >= 0; multiplies the environment's radiance
+    float turnDegrees = 0.0f;        ///< of the environment, about +y
+    std::uint32_t width = 0;         ///< of the environment's picture; 0 = there is none
+    std::uint32_t height = 0;
+};
+static_assert(sizeof(Surroundings) == 32);
+
 /// An indexed triangle mesh in world space, with all that is needed to shade it.
 /// Triangles stand in the imported file's order; a triangle's position is its id everywhere.
 struct Mesh {
@@ -51,7 +75,10 @@ struct Mesh {
     SharedSpan<Light> lights;                   ///< may be empty
     SharedSpan<NamedCamera> cameras;            ///< may be empty; names are unique
     SharedSpan<MeshImage> images;
-    SharedSpan<std::uint32_t> pixels; ///< of all images; R in the lowest byte
+    SharedSpan<std::uint32_t> pixels;      ///< of all images; R in the lowest byte
+    SharedSpan<CameraKey> cameraKeys;      ///< ascending by camera and frame
+    SharedSpan<Surroundings> surroundings; ///< one or none
+    SharedSpan<glm::vec3> environment;     ///< radiance of its picture's pixels, see environment_picture.h
 };
 
 /// Bounds of the vertices that triangles use. Empty for a mesh without triangles.
@@ -70,6 +97,12 @@ bool isValid(const Material& material, std::size_t imageCount);
 bool isValid(const Light& light);
 bool isValid(const NamedCamera& camera);
 bool haveUniqueNames(std::span<const NamedCamera> cameras);
+/// Whether the keys are finite, of one of so many cameras, and in order.
+bool areValid(std::span<const CameraKey> keys, std::size_t cameraCount);
+/// Whether there is one at most, and as many pixels as it says.
+bool areValid(std::span<const Surroundings> surroundings, std::size_t environmentPixels);
+/// Whether it is light: finite and not negative.
+bool isLight(const glm::vec3& radiance);
 
 /// Throws Error{InvalidContent}, message prefixed by `name`, unless every count, index and number holds what
 /// the comments above promise.

@@ -11,7 +11,7 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kMeshKind{{'\x89', 'R', 'T', 'M', 'E', 'S', 'H', '\n'}, 2, 0, ".rtmesh"};
+constexpr FileKind kMeshKind{{'\x89', 'R', 'T', 'M', 'E', 'S', 'H', '\n'}, 2, 1, ".rtmesh"};
 
 constexpr std::uint32_t kPositions = sectionId("POSI");
 constexpr std::uint32_t kNormals = sectionId("NORM");
@@ -23,6 +23,9 @@ constexpr std::uint32_t kLights = sectionId("LITE");
 constexpr std::uint32_t kCameras = sectionId("CAMS");
 constexpr std::uint32_t kImages = sectionId("IMGS");
 constexpr std::uint32_t kPixels = sectionId("PIXL");
+constexpr std::uint32_t kCameraKeys = sectionId("PATH");
+constexpr std::uint32_t kSurroundings = sectionId("SURR");
+constexpr std::uint32_t kEnvironment = sectionId("ENVP");
 
 void requireCount(std::size_t found, std::size_t wanted, const std::string& file, const char* what) {
     if (found != wanted)
@@ -84,6 +87,11 @@ void validate(const Mesh& mesh, const std::string& name) {
     requireEach<NamedCamera>(mesh.cameras, name, "camera", [](const NamedCamera& c) { return isValid(c); });
     if (!haveUniqueNames(mesh.cameras))
         throw Error(ErrorKind::InvalidContent, name + ": two cameras have one name");
+    if (!areValid(mesh.cameraKeys, mesh.cameras.size()))
+        throw Error(ErrorKind::InvalidContent, name + ": a camera's path is out of range or order");
+    if (!areValid(mesh.surroundings, mesh.environment.size()))
+        throw Error(ErrorKind::InvalidContent, name + ": background or environment out of range");
+    requireEach<glm::vec3>(mesh.environment, name, "environment pixel", isLight);
 }
 
 void writeMesh(const std::string& path, const Mesh& mesh) {
@@ -100,11 +108,14 @@ void writeMesh(const std::string& path, const Mesh& mesh) {
         writer.add<MeshImage>(kImages, mesh.images);
         writer.add<std::uint32_t>(kPixels, mesh.pixels);
     }
+    if (!mesh.cameraKeys.empty()) writer.add<CameraKey>(kCameraKeys, mesh.cameraKeys);
+    if (!mesh.surroundings.empty()) writer.add<Surroundings>(kSurroundings, mesh.surroundings);
+    if (!mesh.environment.empty()) writer.add<glm::vec3>(kEnvironment, mesh.environment);
     writer.write(path);
 }
 
-MeshFile readMesh(const std::string& path) {
-    const SectionFile file(path, kMeshKind);
+MeshFile readMesh(const std::string& path, const std::string& shownAs) {
+    const SectionFile file(path, kMeshKind, shownAs);
     Mesh mesh;
     mesh.positions = file.get<glm::vec3>(kPositions);
     mesh.normals = file.get<glm::vec3>(kNormals);
@@ -116,7 +127,10 @@ MeshFile readMesh(const std::string& path) {
     mesh.cameras = file.get<NamedCamera>(kCameras);
     mesh.images = file.get<MeshImage>(kImages);
     mesh.pixels = file.get<std::uint32_t>(kPixels);
-    file.verify([&] { validate(mesh, path); });
+    mesh.cameraKeys = file.get<CameraKey>(kCameraKeys);
+    mesh.surroundings = file.get<Surroundings>(kSurroundings);
+    mesh.environment = file.get<glm::vec3>(kEnvironment);
+    file.verify([&] { validate(mesh, shownAs.empty() ? path : shownAs); });
     return {std::move(mesh), file.contentHash()};
 }
 

@@ -13,7 +13,8 @@ struct MeshFile {
     std::uint64_t contentHash;
 };
 
-/// Maps and validates a .rtmesh. Safe for untrusted files. Throws Error{FileAccess} or Error{InvalidContent}.
-MeshFile readMesh(const std::string& path);
+/// Maps and validates a .rtmesh. Safe for untrusted files. Throws Error{FileAccess} or Error{InvalidContent};
+/// messages call it `shownAs`, if that is given.
+MeshFile readMesh(const std::string& path, const std::string& shownAs = "");
 
 } // namespace rt

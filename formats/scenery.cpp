@@ -1,4 +1,4 @@
-// Materials, lights and cameras: what they may be.
+// Materials, lights, cameras and what is behind the scene: what they may be.
 #include "formats/mesh.h"
 
 #include <algorithm>
@@ -28,6 +28,13 @@ bool isRadiance(const glm::vec4& v) {
 bool isUnit(const glm::vec3& n) {
     return std::abs(glm::dot(n, n) - 1.0f) < 1e-3f;
 } // false for NaN
+
+bool finite(const glm::dvec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool isViewAngle(double degrees) {
+    return degrees > 0.0 && degrees < 180.0;
+}
 
 bool isName(const char (&name)[64]) {
     const std::string_view text(name, strnlen(name, sizeof(name)));
@@ -82,8 +89,9 @@ bool isValid(const Light& light) {
 }
 
 bool isValid(const NamedCamera& c) {
-    const bool shows = c.kind == kCameraOrthographic ? c.height > 0.0 && std::isfinite(c.height)
-                                                     : c.fovDegrees > 0.0 && c.fovDegrees < 180.0;
+    const bool shows = c.kind == kCameraPanorama ||
+                       (c.kind == kCameraOrthographic ? c.height > 0.0 && std::isfinite(c.height)
+                                                      : isViewAngle(c.fovDegrees));
     const bool focuses = c.lensRadius == 0.0 || (c.lensRadius > 0.0 && std::isfinite(c.lensRadius) &&
                                                  c.focusDistance > 0.0 && std::isfinite(c.focusDistance));
     return isName(c.name) && finite(c.eye) && finite(c.lookAt) && finite(c.up) && c.kind < kCameraKinds &&
@@ -94,6 +102,32 @@ bool haveUniqueNames(std::span<const NamedCamera> cameras) {
     std::set<std::string_view> names;
     return std::all_of(cameras.begin(), cameras.end(),
                        [&](const NamedCamera& camera) { return names.insert(camera.name).second; });
+}
+
+bool areValid(std::span<const CameraKey> keys, std::size_t cameraCount) {
+    const CameraKey* before = nullptr;
+    for (const CameraKey& key : keys) {
+        const bool inOrder = !before || before->camera < key.camera ||
+                             (before->camera == key.camera && before->frame < key.frame);
+        if (!inOrder || key.camera >= cameraCount || key.zero != 0 || !std::isfinite(key.frame) ||
+            !finite(key.eye) || !finite(key.lookAt) || !finite(key.up) || !isViewAngle(key.fovDegrees))
+            return false;
+        before = &key;
+    }
+    return true;
+}
+
+bool isLight(const glm::vec3& radiance) {
+    return finite(radiance) && std::min({radiance.x, radiance.y, radiance.z}) >= 0.0f;
+}
+
+bool areValid(std::span<const Surroundings> surroundings, std::size_t environmentPixels) {
+    if (surroundings.empty()) return environmentPixels == 0;
+    const Surroundings& s = surroundings[0];
+    return surroundings.size() == 1 && s.hasBackground <= 1 &&
+           isLight({s.background[0], s.background[1], s.background[2]}) && s.strength >= 0.0f &&
+           std::isfinite(s.strength) && std::isfinite(s.turnDegrees) && (s.width > 0) == (s.height > 0) &&
+           std::uint64_t(s.width) * s.height == environmentPixels;
 }
 
 } // namespace rt

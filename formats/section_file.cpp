@@ -77,7 +77,8 @@ void SectionFileWriter::write(const std::string& path) const {
     writeFile(path, chunks);
 }
 
-SectionFile::SectionFile(const std::string& path, const FileKind& kind) : path_(path) {
+SectionFile::SectionFile(const std::string& path, const FileKind& kind, const std::string& shownAs)
+    : path_(shownAs.empty() ? path : shownAs) {
     // An endless stream is refused by its first bytes, or where the file should have ended.
     const StreamRule rule{sizeof(FileHeader),
                           [&](std::span<const std::byte> head) { return headerOf(head, kind).fileBytes; },

@@ -81,8 +81,9 @@ private:
 class SectionFile {
 public:
     /// Of a stream no more is read than its header says. Throws Error{FileAccess}, Error{InvalidContent}, or
-    /// Error{LimitExceeded} if a stream does not fit into memory; messages name the file.
-    SectionFile(const std::string& path, const FileKind& kind);
+    /// Error{LimitExceeded} if a stream does not fit into memory; messages name the file, by `shownAs` if
+    /// that is given.
+    SectionFile(const std::string& path, const FileKind& kind, const std::string& shownAs = "");
 
     /// The section's elements; empty if it is absent. Throws Error{InvalidContent} if its element size is not
     /// T's.

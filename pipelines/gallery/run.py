@@ -20,11 +20,17 @@ def found(word, folder):
     return folder / word if word.startswith("images/") else word
 
 
+def model_of(scene, options):
+    """A scene file stands here, and names models of the scenes folder; other models stand there."""
+    own = HERE / scene["model"]
+    return own if own.exists() else options.scenes_dir / scene["model"]
+
+
 def render(scene, options):
     """The report of rt-trace."""
     stem = options.out / scene["name"]
     mesh, atlas, report = (stem.with_suffix(end) for end in (".rtmesh", ".rtatlas", ".json"))
-    run(options.tools / "rt-import", options.scenes_dir / scene["model"], "-o", mesh)
+    run(options.tools / "rt-import", model_of(scene, options), "--texture-root", options.scenes_dir, "-o", mesh)
     run(options.tools / "rt-grid", mesh, "-o", atlas, "--quality", "best")
     words = [found(word, options.scenes_dir) for word in scene["options"].split()]
     outputs = ["-o", stem.with_suffix(".png"), "-o", stem.with_suffix(".exr")]
@@ -61,8 +67,9 @@ def main():
     for scene in json.loads((HERE / "gallery.json").read_text()):
         if options.scenes and scene["name"] not in options.scenes:
             continue
-        if not (options.scenes_dir / scene["model"]).exists():
-            print(f"{scene['name']}: {scene['model']} is not in {options.scenes_dir}; skipped")
+        needed = [model_of(scene, options), *(options.scenes_dir / name for name in scene.get("needs", []))]
+        if not all(path.exists() for path in needed):
+            print(f"{scene['name']}: not all of its models are in {options.scenes_dir}; skipped")
             continue
         try:
             print(line(scene["name"], render(scene, options)), flush=True)

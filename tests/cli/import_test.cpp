@@ -50,19 +50,25 @@ TEST_F(ImportCli, WritesMeshReportAndDependencies) {
                       deps = folder_.file("pool.d");
     const CommandResult result = run({test::poolTablePath(), "-o", mesh, "--json", json, "--depfile", deps});
     EXPECT_EQ(result.exitCode, 0);
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    EXPECT_THAT(result.err, HasSubstr("57184 triangles"));
+    EXPECT_THAT(result.err, HasSubstr("56576 triangles"));
+    EXPECT_THAT(result.err, HasSubstr("faces without area: 608 dropped (first: face 2, 3, 6, 7, 10 of mesh "
+                                      "'tableBed.001_Plane.003')"));
     EXPECT_THAT(test::readText(mesh), StartsWith("\x89RTMESH\n"));
     EXPECT_THAT(test::readText(deps), StartsWith(mesh + ": "));
     EXPECT_THAT(test::readText(deps), HasSubstr("poolTable.mtl"));
     EXPECT_THAT(test::readText(deps), HasSubstr("poolCueEnd.png"));
     const nlohmann::json report = nlohmann::json::parse(test::readText(json));
-    EXPECT_EQ(report["triangles"], 57184);
+    EXPECT_EQ(report["triangles"], 56576);
     EXPECT_EQ(report["images"], 17);
     EXPECT_TRUE(report["warnings"].empty());
-    for (const char* key : {"vertices", "weldedVertices", "materials", "droppedFaces", "degenerateTriangles",
-                            "nonManifoldFaces", "generatedNormals", "stagesMs", "peakMemoryBytes", "bounds"})
+    for (const char* key :
+         {"vertices", "weldedVertices", "movedVertices", "materials", "decimatedFrom", "surface", "leftOut",
+          "leftOutBytes", "generatedNormals", "stagesMs", "peakMemoryBytes", "bounds"})
         EXPECT_TRUE(report.contains(key)) << key;
+    EXPECT_EQ(report["ledger"][0], nlohmann::json::parse(R"({"defect":"noArea","action":"dropped","count":608,
+        "first":[{"mesh":"tableBed.001_Plane.003","face":2},{"mesh":"tableBed.001_Plane.003","face":3},
+                 {"mesh":"tableBed.001_Plane.003","face":6},{"mesh":"tableBed.001_Plane.003","face":7},
+                 {"mesh":"tableBed.001_Plane.003","face":10}]})"));
 }
 
 TEST_F(ImportCli, SameInputGivesSameBytes) {
@@ -88,6 +94,14 @@ TEST_F(ImportCli, UsageErrorsExitWith2) {
           {model, "-o", "-", "--json", "-"},
           {model, "-o", "-", "--depfile", "d"},
           {model, "-o", folder_.file("x.rtmesh"), "--crease", "200"},
+          {model, "-o", folder_.file("x.rtmesh"), "--crease", "nan"},
+          {model, "-o", folder_.file("x.rtmesh"), "--weld", "-1"},
+          {model, "-o", folder_.file("x.rtmesh"), "--decimate", "0"},
+          {model, "-o", folder_.file("x.rtmesh"), "--decimate", "1.5"},
+          {model, "-o", folder_.file("x.rtmesh"), "--max-triangles", "0"},
+          {model, "-o", folder_.file("x.rtmesh"), "--max-memory", "much"},
+          {model, "-o", folder_.file("x.rtmesh"), "--max-time", "0"},
+          {model, "-o", folder_.file("x.rtmesh"), "--allow-format", "bogus"},
           {model, "-o", folder_.file("x.rtmesh"), "--bogus"}}) {
         const CommandResult result = run(arguments);
         EXPECT_EQ(result.exitCode, 2) << result.err;
@@ -122,13 +136,14 @@ TEST_F(ImportCli, UnreadableFilesExitWith3) {
 
 TEST_F(ImportCli, ContentThatIsNoModelExitsWith4) {
     expectRefusal(write("empty.ply", ""), 4, "is empty");
-    expectRefusal(write("model.xyz", kTriangle), 4, "obj, ply, stl, gltf, glb, 3ds");
+    expectRefusal(write("model.xyz", kTriangle), 4, "obj, ply, stl, gltf, glb, fbx, 3ds, dae, off");
     expectRefusal(write("none", kTriangle), 4, "extension ''");
     const std::string jpeg =
         "\xff\xd8\xff\xe0" + std::string("\0\x10JFIF\0\1\1\0\0\1\0\1\0\0", 16) + std::string(400, '\x81');
     for (const char* name : {"jpeg.obj", "jpeg.ply", "jpeg.stl", "jpeg.gltf", "jpeg.glb", "jpeg.3ds"})
         expectRefusal(write(name, jpeg), 4, "");
-    expectRefusal(write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"), 4, "vertex 1");
+    expectRefusal(write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"), 4,
+                  "has no triangles (faces with vertices that are not finite: 1 dropped");
     expectRefusal(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1 2 3\n"), 4, "no triangles");
     expectRefusal(write("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 30\n"), 4,
                   "cannot be read as a model");
@@ -144,6 +159,60 @@ TEST_F(ImportCli, ADamagedModelThatCrashesItsLoaderExitsWith4) {
         if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
         expectRefusal(write("damaged.ply", test::readText(path)), 4, "");
     }
+}
+
+TEST_F(ImportCli, OtherFormatsAreReadWhenAllowed) {
+    const std::string raw = write("m.RAW", "0 0 0 1 0 0 0 1 0\n0 0 1 1 0 1 0 1 1\n");
+    expectRefusal(raw, 4, "--allow-format");
+    const CommandResult result = run({raw, "-o", folder_.file("x.rtmesh"), "--allow-format", "raw"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("2 triangles"));
+    const CommandResult list = run({"--list-formats"});
+    EXPECT_EQ(list.exitCode, 0);
+    EXPECT_THAT(list.out, testing::ContainsRegex("fbx +read +Autodesk FBX"));
+    EXPECT_THAT(list.out, testing::ContainsRegex("raw +--allow-format +Raw"));
+}
+
+TEST_F(ImportCli, StrictRefusesWhatHadToBeRepaired) {
+    const std::string model = write("m.obj", std::string(kTriangle) + "f 1 2 2\n");
+    const CommandResult result = run({model, "-o", folder_.file("x.rtmesh"), "--strict"});
+    EXPECT_EQ(result.exitCode, 4);
+    EXPECT_THAT(result.err, StartsWith("rt-import: error: " + model + ": faces without area: 1 dropped"));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_EQ(folder_.entryCount(), 1u);
+    EXPECT_EQ(run({write("n.obj", kTriangle), "-o", folder_.file("x.rtmesh"), "--strict"}).exitCode, 0);
+}
+
+TEST_F(ImportCli, DecimatesToWhatIsAsked) {
+    const std::string mesh = folder_.file("p.rtmesh"), json = folder_.file("p.json");
+    const CommandResult result =
+        run({test::poolTablePath(), "-o", mesh, "--json", json, "--max-triangles", "40000", "-v"});
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_THAT(result.err, HasSubstr("decimated from 56628 triangles"));
+    const nlohmann::json report = nlohmann::json::parse(test::readText(json));
+    EXPECT_LE(report["triangles"], 40000);
+    EXPECT_GE(report["triangles"], 39000);
+    EXPECT_EQ(run({test::poolTablePath(), "-o", mesh, "--max-triangles", "100", "-q"}).exitCode, 5);
+}
+
+TEST_F(ImportCli, LimitsExitWith5) {
+    for (const std::vector<std::string>& limit :
+         {std::vector<std::string>{"--max-time", "0.001"}, {"--max-memory", "40M"}}) {
+#ifdef __SANITIZE_ADDRESS__
+        if (limit[0] == "--max-memory") continue;
+#endif
+        const CommandResult result =
+            run({test::poolTablePath(), "-o", folder_.file("x.rtmesh"), limit[0], limit[1]});
+        EXPECT_EQ(result.exitCode, 5) << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        EXPECT_EQ(folder_.entryCount(), 0u);
+    }
+}
+
+TEST_F(ImportCli, NamesOnTheTerminalHoldNoControlCharacters) {
+    const std::string model = write("m.obj", std::string("o a\x1b[31mb\n") + kTriangle + "f 1 2 2\n");
+    const CommandResult result = run({model, "-o", folder_.file("x.rtmesh")});
+    EXPECT_THAT(result.err, HasSubstr("of mesh 'a [31mb'"));
 }
 
 TEST_F(ImportCli, OversizedTextureExitsWith5) {

@@ -35,7 +35,7 @@ protected:
 
 void expectTable(const CommandResult& table) {
     EXPECT_EQ(table.exitCode, 0) << table.err;
-    EXPECT_THAT(table.out, ContainsRegex("triangles +57,184 +57,184\n"));
+    EXPECT_THAT(table.out, ContainsRegex("triangles +56,576 +56,576\n"));
     EXPECT_THAT(table.out, ContainsRegex("cells +[0-9]+ x [0-9]+ x [0-9]+ +[0-9]+ x [0-9]+ x [0-9]+\n"));
     EXPECT_THAT(table.out, ContainsRegex("atlas bytes +[0-9,]{7,} +[0-9,]{7,}\n"));
     for (const std::string row : {"build ms", "render ms", "Mrays/s", "steps per ray"})

@@ -333,7 +333,8 @@ TEST_F(PictureCommand, FramesFollowTheirPath) {
     for (const auto& [name, depth] : {std::pair("f01.exr", 3.0f), {"f02.exr", 4.0f}, {"f03.exr", 5.0f}})
         EXPECT_NEAR(readExr(out.file(name)).find("Z")->values[8 * 16 + 8], depth, 0.05f) << name;
     const std::string path = out.file("path.json");
-    expectUsage({"--frames", "1-3"}, "go together");
+    expectUsage({"--frames", "1-3"}, "--frames needs --camera-path, or --camera");
+    expectUsage({"--camera-path", path}, "go together");
     expectUsage({"--frames", "1-3", "--camera-path", path}, "%d or %04d");
     expectUsage({"--frames", "3-1", "--camera-path", path}, "--frames");
 }

@@ -452,7 +452,7 @@ TEST_F(TraceCommand, DevicesThatCannotBePrintedAre3) {
 TEST_F(TraceCommand, HelpShowsTheDefaults) {
     const std::string help = trace({"--help"}).out;
     for (const char* text :
-         {"512x512", "else 0.1, or none", "G|R,G,B=0.32,0.4,0.5", "a radiance of 0.9", "required"})
+         {"512x512", "else 0.1, or none", "the scene's, or 0.32,0.4,0.5", "a radiance of 0.9", "required"})
         EXPECT_THAT(help, HasSubstr(text));
     EXPECT_THAT(help, testing::Not(HasSubstr("TEXT")));
 }

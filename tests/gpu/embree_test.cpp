@@ -168,7 +168,7 @@ protected:
             test::runCommand({tool("rt-import"), test::poolTablePath(), "-o", folder->file("p.rtmesh")});
         ASSERT_EQ(import.exitCode, 0) << import.err;
         mesh = readMesh(folder->file("p.rtmesh")).mesh;
-        ASSERT_EQ(mesh.triangles.size(), 57184u);
+        ASSERT_EQ(mesh.triangles.size(), 56576u);
         rays = makeRays(boundsOf(mesh), 400000);
         std::ofstream(folder->file("rays"), std::ios::binary)
             .write(reinterpret_cast<const char*>(rays.data()),

@@ -130,7 +130,7 @@ ClosedMesh closedTorus() {
 
 ClosedMesh closedModel(const std::string& name, const std::string& path) {
     StageTimer timer;
-    auto [positions, triangles] = weld(importModel(path, 45.0, timer).mesh);
+    auto [positions, triangles] = weld(importModel(path, {}, timer).mesh);
     fillHoles(positions, triangles);
     Mesh mesh = makeIndexed(std::move(positions), std::move(triangles));
     std::vector<glm::vec3> insides = findInsides(mesh);

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,8 @@ struct CommandResult {
     int exitCode; ///< 128 + signal if it was killed by one
     std::string out;
     std::string err;
+    double seconds = 0.0;
+    std::uint64_t peakMemoryBytes = 0; ///< the largest of the program and its children
 };
 
 /// Runs a program (no shell) to its end. argv[0] is a path; the tools are in RT_BIN_DIR.

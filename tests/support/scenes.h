@@ -10,7 +10,8 @@ inline std::string scenePath(const std::string& relative) {
     return std::string(folder && *folder ? folder : RT_SCENES_DIR) + "/" + relative;
 }
 
-/// The model that is part of the repository: 57,184 triangles, 28 materials, 17 textures.
+/// The model that is part of the repository: 57,184 triangles, 608 of them without area, 28 materials, 17
+/// textures.
 inline std::string poolTablePath() {
     return RT_SOURCE_DIR "/pipelines/quickstart/poolTable/poolTable.obj";
 }

@@ -30,6 +30,63 @@ Material greyMaterial(std::uint32_t image) {
     return material;
 }
 
+CameraKey keyAt(std::uint32_t camera, double frame) {
+    CameraKey key;
+    key.frame = frame;
+    key.eye = {frame, 0, 4};
+    key.fovDegrees = 30.0;
+    key.camera = camera;
+    return key;
+}
+
+// Two cameras, of which one moves, and an environment of two pixels, for a Mesh or an Atlas.
+template <class Scene>
+void addScenery(Scene& scene) {
+    NamedCamera camera{"a", {0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 30.0, 0, 0, 0, kCameraPerspective, 0};
+    NamedCamera round = camera;
+    round.name[0] = 'b';
+    round.kind = kCameraPanorama;
+    scene.cameras = std::vector<NamedCamera>{camera, round};
+    scene.cameraKeys = std::vector<CameraKey>{keyAt(0, 1), keyAt(0, 2.5), keyAt(1, -1)};
+    scene.surroundings = std::vector<Surroundings>{{{1, 2, 3}, 1, 0.5f, 90.0f, 2, 1}};
+    scene.environment = std::vector<glm::vec3>{{0, 0, 0}, {1, 2, 1000}};
+}
+
+// What can be wrong with that, each with what it is.
+template <class Scene>
+std::vector<std::pair<const char*, std::function<void(Scene&)>>> wrongScenery() {
+    const auto keys = [](std::vector<CameraKey> wrong) {
+        return [=](Scene& s) { s.cameraKeys = std::vector<CameraKey>(wrong); };
+    };
+    const auto around = [](Surroundings wrong) {
+        return [=](Scene& s) { s.surroundings = std::vector<Surroundings>{wrong}; };
+    };
+    const float inf = std::numeric_limits<float>::infinity();
+    CameraKey flat = keyAt(0, 1), lost = keyAt(0, 1);
+    flat.fovDegrees = 180.0;
+    lost.eye.x = double(inf);
+    return {{"frames are not in order", keys({keyAt(0, 2), keyAt(0, 1)})},
+            {"a frame twice", keys({keyAt(0, 1), keyAt(0, 1)})},
+            {"cameras are not in order", keys({keyAt(1, 1), keyAt(0, 2)})},
+            {"no such camera", keys({keyAt(2, 1)})},
+            {"no view", keys({flat})},
+            {"nowhere", keys({lost})},
+            {"pixels are missing", around({{0, 0, 0}, 0, 1, 0, 2, 2})},
+            {"pixels are too many", around({{0, 0, 0}, 0, 1, 0, 0, 0})},
+            {"a side of 0", around({{0, 0, 0}, 0, 1, 0, 2, 0})},
+            {"a negative background", around({{-1, 0, 0}, 1, 1, 0, 2, 1})},
+            {"neither stated nor not", around({{0, 0, 0}, 2, 1, 0, 2, 1})},
+            {"an infinite strength", around({{0, 0, 0}, 0, inf, 0, 2, 1})},
+            {"a negative strength", around({{0, 0, 0}, 0, -1, 0, 2, 1})},
+            {"an infinite turn", around({{0, 0, 0}, 0, 1, inf, 2, 1})},
+            {"pixels without a size", [](Scene& s) { s.surroundings = {}; }},
+            {"two surroundings",
+             [](Scene& s) { s.surroundings = std::vector<Surroundings>(2, s.surroundings[0]); }},
+            {"darkness", [](Scene& s) {
+                 s.environment = std::vector<glm::vec3>{{0, 0, 0}, {0, -1, 0}};
+             }}};
+}
+
 Mesh smallMesh() {
     Mesh mesh;
     mesh.positions = std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5f}};
@@ -125,7 +182,8 @@ void expectEveryDamageIsRefused(const std::string& path, const std::function<voi
 
 TEST(MeshFile, ComesBackAsItWasWritten) {
     const test::TemporaryFolder folder;
-    const Mesh mesh = smallMesh();
+    Mesh mesh = smallMesh();
+    addScenery(mesh);
     writeMesh(folder.file("a.rtmesh"), mesh);
     const Mesh back = readMesh(folder.file("a.rtmesh")).mesh;
     EXPECT_EQ(bytes(back.positions), bytes(mesh.positions));
@@ -137,6 +195,10 @@ TEST(MeshFile, ComesBackAsItWasWritten) {
     EXPECT_EQ(bytes(back.lights), bytes(mesh.lights));
     EXPECT_EQ(bytes(back.images), bytes(mesh.images));
     EXPECT_EQ(bytes(back.pixels), bytes(mesh.pixels));
+    EXPECT_EQ(bytes(back.cameras), bytes(mesh.cameras));
+    EXPECT_EQ(bytes(back.cameraKeys), bytes(mesh.cameraKeys));
+    EXPECT_EQ(bytes(back.surroundings), bytes(mesh.surroundings));
+    EXPECT_EQ(bytes(back.environment), bytes(mesh.environment));
 }
 
 TEST(MeshFile, EveryDamageIsRefused) {
@@ -166,11 +228,18 @@ TEST(MeshFile, InvalidContentWithRightChecksumsIsRefused) {
     EXPECT_TRUE(refused([](Mesh& m) { m.images = std::vector<MeshImage>{{2, 2, 0, 0, 0}}; }));
     EXPECT_TRUE(refused([](Mesh& m) { m.images = std::vector<MeshImage>{{2, 1, 0, 0, ~0ull}}; }));
     EXPECT_FALSE(refused([](Mesh&) {}));
+    EXPECT_FALSE(refused([](Mesh& m) { addScenery(m); }));
+    for (const auto& [what, spoil] : wrongScenery<Mesh>())
+        EXPECT_TRUE(refused([&, s = spoil](Mesh& m) {
+            addScenery(m);
+            s(m);
+        })) << what;
 }
 
 TEST(AtlasFile, ComesBackAsItWasWritten) {
     const test::TemporaryFolder folder;
-    const Atlas atlas = smallAtlas();
+    Atlas atlas = smallAtlas();
+    addScenery(atlas);
     writeAtlas(folder.file("a.rtatlas"), atlas);
     const Atlas back = readAtlas(folder.file("a.rtatlas")).atlas;
     EXPECT_EQ(std::memcmp(&back.grid, &atlas.grid, sizeof(GridParams)), 0);
@@ -186,6 +255,9 @@ TEST(AtlasFile, ComesBackAsItWasWritten) {
     EXPECT_EQ(bytes(back.lights), bytes(atlas.lights));
     EXPECT_EQ(bytes(back.images), bytes(atlas.images));
     EXPECT_EQ(bytes(back.pages), bytes(atlas.pages));
+    EXPECT_EQ(bytes(back.cameraKeys), bytes(atlas.cameraKeys));
+    EXPECT_EQ(bytes(back.surroundings), bytes(atlas.surroundings));
+    EXPECT_EQ(bytes(back.environment), bytes(atlas.environment));
 }
 
 TEST(AtlasFile, BricksComeBackAsTheyWereWritten) {
@@ -301,6 +373,12 @@ TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {
         writeAtlas(path, atlas);
         return failureOf([&] { readAtlas(path); }) == ErrorKind::InvalidContent;
     };
+    EXPECT_FALSE(refused([](Atlas& a) { addScenery(a); }));
+    for (const auto& [what, spoil] : wrongScenery<Atlas>())
+        EXPECT_TRUE(refused([&, s = spoil](Atlas& a) {
+            addScenery(a);
+            s(a);
+        })) << what;
     using Words = std::vector<std::uint32_t>;
     EXPECT_TRUE(refused([](Atlas& a) {
         a.voxels = Words{kOccupiedBit | 1u, 1u};

@@ -21,9 +21,9 @@ public:
         write(name, std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)));
     }
     std::string path(const std::string& name) const { return folder_.file(name); }
-    ImportedModel import(const std::string& name) const {
+    ImportedModel import(const std::string& name, const ImportSettings& settings = {}) const {
         StageTimer timer;
-        return importModel(folder_.file(name), 45.0, timer);
+        return importModel(folder_.file(name), settings, timer);
     }
 
 private:

@@ -219,7 +219,7 @@ const Material& find(const ImportedModel& model, bool (*wanted)(const Material&)
 
 ImportedModel importScene(const std::string& path) {
     StageTimer timer;
-    return importModel(path, 45.0, timer);
+    return importModel(path, {}, timer);
 }
 
 TEST(ImportGltf, DragonOfGlass) {

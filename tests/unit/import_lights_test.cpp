@@ -2,6 +2,7 @@
 #include "formats/mesh.h"
 #include "tests/support/scenes.h"
 #include "tests/unit/import_files.h"
+#include "tools/rt-import/read_cameras.h"
 #include "tools/rt-import/read_lights.h"
 
 #include <assimp/light.h>
@@ -106,8 +107,8 @@ struct SceneWithLight {
         light->mName = "root";
         light->mColorDiffuse = aiColor3D(1, 2, 3);
     }
-    std::vector<Light> read(SpotAngles angles = SpotAngles::FromAxis) {
-        return readLights(scene, {}, glm::vec3(0, 0, -2), angles, warnings);
+    std::vector<Light> read(SceneryStyle style = SceneryStyle::Gltf) {
+        return readLights(scene, {}, glm::vec3(0, 0, -2), style, warnings);
     }
     std::vector<std::string> warnings;
 };
@@ -152,12 +153,31 @@ TEST(ImportLights, AConeOf3dsIsMeasuredAcross) {
     s.light->mAngleInnerCone = 0.5f;
     s.light->mAngleOuterCone = 1.0f;
     s.light->mAttenuationLinear = 0.0f; // no fall-off
-    const std::vector<Light> lights = s.read(SpotAngles::AcrossCone);
+    const std::vector<Light> lights = s.read(SceneryStyle::Classic);
     ASSERT_EQ(lights.size(), 1u);
     EXPECT_NEAR(lights[0].direction.w, std::cos(0.5f), 1e-6f);
     EXPECT_NEAR(lights[0].edgeU.w, std::cos(0.25f), 1e-6f);
     EXPECT_NEAR(lights[0].intensity.x, 4.0f * 3.14159265f, 1e-5f); // the centre is 2 away
-    EXPECT_THAT(s.warnings, ElementsAre(HasSubstr("1 lights have no fall-off")));
+    EXPECT_THAT(s.warnings, ElementsAre(HasSubstr("1 lights do not fall off")));
+}
+
+TEST(ImportLights, OneOfTheClassicStyleIsAsBrightAtTheCentreAsItsFileSays) {
+    SceneWithLight s;
+    s.light->mType = aiLightSource_POINT;
+    s.light->mAttenuationConstant = 1.0f;
+    s.light->mAttenuationLinear = 0.5f;
+    s.light->mAttenuationQuadratic = 0.25f;
+    // White shows the colour over 1 + 0.5 * 2 + 0.25 * 4, and ours intensity / (pi 2^2).
+    EXPECT_NEAR(s.read(SceneryStyle::Classic)[0].intensity.x, 4.0f * 3.14159265f / 3.0f, 1e-5f);
+    EXPECT_THAT(s.warnings, ElementsAre(HasSubstr("1 lights do not fall off")));
+    s.light->mAttenuationConstant = s.light->mAttenuationLinear = 0.0f;
+    s.warnings.clear();
+    EXPECT_NEAR(s.read(SceneryStyle::Classic)[0].intensity.x, 4.0f * 3.14159265f, 1e-5f);
+    EXPECT_EQ(s.read(SceneryStyle::Gltf)[0].intensity.x, 1.0f);
+    EXPECT_THAT(s.warnings, IsEmpty());
+    s.light->mType = aiLightSource_DIRECTIONAL;
+    s.light->mDirection = aiVector3D(0, 0, -1);
+    EXPECT_NEAR(s.read(SceneryStyle::Classic)[0].intensity.x, 3.14159265f, 1e-6f);
 }
 
 TEST(ImportLights, AmbientAndBrokenOnesAreCounted) {
@@ -226,11 +246,25 @@ TEST(ImportCameras, ACameraAtTwoNodesIsTwoCameras) {
     expectNear(vectorOf(model.mesh.cameras[1].eye), {2, 0, 5});
 }
 
+TEST(ImportCameras, AnAngleOfTheWidthBecomesOneOfTheHeight) {
+    aiScene scene;
+    scene.mRootNode = new aiNode("root");
+    scene.mCameras = new aiCamera* [1] { new aiCamera };
+    scene.mNumCameras = 1;
+    scene.mCameras[0]->mHorizontalFOV = 2.0f * std::atan(1.5f * std::tan(0.3f));
+    scene.mCameras[0]->mAspect = 1.5f;
+    std::vector<std::string> warnings;
+    const auto fov = [&] { return readCameras(scene, {}, SceneryStyle::Classic, warnings).at(0).fovDegrees; };
+    EXPECT_NEAR(fov(), 0.6 * 180.0 / 3.14159265358979, 1e-4);
+    scene.mCameras[0]->mAspect = 0.0f;
+    EXPECT_NEAR(fov(), 2.0 * std::atan(1.5 * std::tan(0.3)) * 180.0 / 3.14159265358979, 1e-4);
+}
+
 TEST(ImportCameras, TheOneOfTheEngineIsRead) {
     const std::string path = test::scenePath("models/gltf/2CylinderEngine.glb");
     if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
     StageTimer timer;
-    const ImportedModel model = importModel(path, 45.0, timer);
+    const ImportedModel model = importModel(path, {}, timer);
     ASSERT_EQ(model.mesh.cameras.size(), 1u);
     EXPECT_NEAR(model.mesh.cameras[0].eye[0], 1005.99, 0.01);
     EXPECT_GT(model.mesh.cameras[0].fovDegrees, 1.0);

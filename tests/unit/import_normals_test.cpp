@@ -1,6 +1,5 @@
 // Welding, generated normals and merging, on surfaces small enough to know the answer.
-#include "tools/rt-import/repair_mesh.h"
-#include "tools/rt-import/weld_vertices.h"
+#include "tests/unit/import_soup.h"
 
 #include <glm/geometric.hpp>
 #include <gmock/gmock.h>
@@ -8,26 +7,12 @@
 namespace rt {
 namespace {
 
-struct Repaired {
-    Mesh mesh;
-    RepairedSurface surface;
-    Weld weld;
-};
-
-SceneSoup makeSoup(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles) {
-    SceneSoup soup;
-    soup.triangleMaterial.assign(triangles.size(), 0);
-    soup.positions = std::move(positions);
-    soup.triangles = std::move(triangles);
-    return soup;
-}
+using test::makeSoup;
+using test::makeSphere;
+using test::Repaired;
 
 Repaired repair(const SceneSoup& soup, double creaseDegrees = 45.0) {
-    Repaired result;
-    result.weld = weldPositions(soup);
-    result.surface = repairSurface(result.weld.positions, result.weld.triangles, creaseDegrees, true);
-    result.mesh = mergeCorners(soup, result.weld, result.surface.cornerNormals);
-    return result;
+    return test::repair(soup, {.creaseDegrees = creaseDegrees});
 }
 
 SceneSoup makeCube() {
@@ -47,31 +32,6 @@ SceneSoup makeCube() {
                               {1, 7, 5}});
 }
 
-// An octahedron with every face cut into four, `levels` times over, on the unit sphere; no corner is shared.
-SceneSoup makeSphere(int levels) {
-    const glm::vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
-    std::vector<std::array<glm::vec3, 3>> faces{{x, y, z},  {y, -x, z},  {-x, -y, z},  {-y, x, z},
-                                                {y, x, -z}, {-x, y, -z}, {-y, -x, -z}, {x, -y, -z}};
-    for (int level = 0; level < levels; ++level) {
-        std::vector<std::array<glm::vec3, 3>> finer;
-        for (const auto& [a, b, c] : faces) {
-            const glm::vec3 ab = glm::normalize(a + b), bc = glm::normalize(b + c),
-                            ca = glm::normalize(c + a);
-            for (const auto& face : {std::array{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
-                finer.push_back(face);
-        }
-        faces = std::move(finer);
-    }
-    SceneSoup soup;
-    for (const auto& face : faces) {
-        const auto first = static_cast<std::uint32_t>(soup.positions.size());
-        soup.positions.insert(soup.positions.end(), face.begin(), face.end());
-        soup.triangles.emplace_back(first, first + 1, first + 2);
-    }
-    soup.triangleMaterial.assign(soup.triangles.size(), 0);
-    return soup;
-}
-
 glm::vec3 faceNormal(const Mesh& mesh, std::size_t triangle) {
     const glm::uvec3 t = mesh.triangles[triangle];
     return glm::normalize(
@@ -80,7 +40,7 @@ glm::vec3 faceNormal(const Mesh& mesh, std::size_t triangle) {
 
 TEST(ImportNormals, CubeHasSharpEdgesAtTheDefaultCrease) {
     const Repaired cube = repair(makeCube());
-    EXPECT_EQ(cube.weld.positions.size(), 8u);
+    EXPECT_EQ(cube.surface.weld.positions.size(), 8u);
     ASSERT_EQ(cube.mesh.positions.size(), 24u);
     for (std::size_t t = 0; t < 12; ++t)
         for (int corner = 0; corner < 3; ++corner)
@@ -97,7 +57,9 @@ TEST(ImportNormals, CubeIsRoundWhenNoEdgeIsACrease) {
 
 TEST(ImportNormals, SphereIsSmoothAndItsCornersShareVertices) {
     const Repaired sphere = repair(makeSphere(4));
-    EXPECT_EQ(sphere.surface.nonManifoldFaces, 0u);
+    EXPECT_TRUE(sphere.ledger.empty());
+    EXPECT_EQ(sphere.surface.figures.components, 1u);
+    EXPECT_EQ(sphere.surface.figures.closedComponents, 1u);
     ASSERT_EQ(sphere.mesh.positions.size(), 1026u); // 4 * 4^4 + 2: as Euler has it
     for (std::size_t v = 0; v < sphere.mesh.positions.size(); ++v)
         EXPECT_GT(glm::dot(sphere.mesh.normals[v], sphere.mesh.positions[v]), 0.999f);
@@ -108,7 +70,7 @@ TEST(ImportNormals, NegativeZeroWeldsWithZero) {
         makeSoup({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0f, 0, -0.0f}, {0, 1, -0.0f}, {-1, 0, 0}},
                  {{0, 1, 2}, {3, 4, 5}});
     const Repaired repaired = repair(soup);
-    EXPECT_EQ(repaired.weld.positions.size(), 4u);
+    EXPECT_EQ(repaired.surface.weld.positions.size(), 4u);
     EXPECT_EQ(repaired.mesh.positions.size(), 4u);
 }
 
@@ -116,7 +78,7 @@ TEST(ImportNormals, ThreeFacesAtAnEdgeAreAllKeptInOrder) {
     const SceneSoup soup =
         makeSoup({{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}}, {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
     const Repaired repaired = repair(soup);
-    EXPECT_EQ(repaired.surface.nonManifoldFaces, 2u);
+    EXPECT_EQ(repaired.ledger[Defect::NonManifold].count, 3u);
     ASSERT_EQ(repaired.mesh.triangles.size(), 3u);
     for (std::size_t t = 0; t < 3; ++t)
         for (int corner = 0; corner < 3; ++corner) {
@@ -127,24 +89,28 @@ TEST(ImportNormals, ThreeFacesAtAnEdgeAreAllKeptInOrder) {
         }
 }
 
-TEST(ImportNormals, DuplicatedFaceIsKeptAndShadedLikeTheFirst) {
+TEST(ImportNormals, SecondFaceOfAnotherMaterialIsKeptAndShadedLikeTheFirst) {
     SceneSoup soup = makeSphere(2);
     soup.triangles.push_back(soup.triangles[5]);
-    soup.triangleMaterial.push_back(0);
+    soup.triangleMaterial.push_back(1);
+    soup.origins.push_back({0, 128});
     const Repaired repaired = repair(soup);
-    EXPECT_EQ(repaired.surface.nonManifoldFaces, 1u);
+    EXPECT_EQ(repaired.ledger[Defect::NonManifold].count, 5u); // the two and their three neighbours
     EXPECT_EQ(repaired.mesh.triangles.back(), repaired.mesh.triangles[5]);
+    EXPECT_EQ(repaired.mesh.positions.size(), repair(makeSphere(2)).mesh.positions.size());
 }
 
-TEST(ImportNormals, DegenerateFacesKeepTheirPlaceAndGetUnitNormals) {
-    const SceneSoup soup = makeSoup({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {9, 9, 9}},
-                                    {{0, 1, 2}, {0, 0, 1}, {0, 3, 1}, {4, 4, 4}, {1, 3, 2}});
+TEST(ImportNormals, FacesWithoutAreaGoButDoNotCutTheSurface) {
+    // A strip that bends along x = 1, where one side has a vertex in the middle and the other has a face
+    // without area instead.
+    const SceneSoup soup =
+        makeSoup({{0, 0, 0}, {1, 0, 0.1f}, {1, 1, 0.1f}, {1, 2, 0.1f}, {0, 2, 0}, {2, 1, 0}},
+                 {{0, 1, 3}, {0, 3, 4}, {1, 2, 3}, {1, 5, 2}, {2, 5, 3}, {0, 0, 1}});
     const Repaired repaired = repair(soup);
-    EXPECT_EQ(repaired.surface.degenerateTriangles, 3u);
-    ASSERT_EQ(repaired.mesh.triangles.size(), 5u);
-    EXPECT_EQ(repaired.mesh.positions[repaired.mesh.triangles[2].y], glm::vec3(2, 0, 0));
-    EXPECT_EQ(repaired.mesh.positions[repaired.mesh.triangles[4].z], glm::vec3(0, 1, 0));
-    for (const glm::vec3& normal : repaired.mesh.normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
+    EXPECT_EQ(repaired.ledger[Defect::NoArea].count, 2u);
+    ASSERT_EQ(repaired.mesh.triangles.size(), 4u);
+    EXPECT_EQ(repaired.mesh.normals[repaired.mesh.triangles[0].y],
+              repaired.mesh.normals[repaired.mesh.triangles[2].x]);
 }
 
 TEST(ImportNormals, NormalsDoNotOverflowOrUnderflowWithTheScale) {
@@ -152,7 +118,7 @@ TEST(ImportNormals, NormalsDoNotOverflowOrUnderflowWithTheScale) {
         SceneSoup sphere = makeSphere(2);
         for (glm::vec3& position : sphere.positions) position *= scale;
         const Repaired repaired = repair(sphere);
-        EXPECT_EQ(repaired.surface.degenerateTriangles, 0u);
+        EXPECT_TRUE(repaired.ledger.empty());
         for (std::size_t v = 0; v < repaired.mesh.positions.size(); ++v)
             EXPECT_GT(glm::dot(repaired.mesh.normals[v], repaired.mesh.positions[v] / scale), 0.99f);
     }

@@ -134,14 +134,14 @@ TEST_F(CameraPath, IsStraightBetweenItsFramesAndStillOutside) {
 
 TEST_F(CameraPath, SaysWhatIsWrongWithAFile) {
     const std::vector<std::pair<const char*, const char*>> files = {
-        {"", "JSON array"},
+        {"", "is no JSON"},
         {"[]", "JSON array"},
         {"{}", "JSON array"},
-        {"[1]", "camera 0"},
-        {R"([{"frame": 1, "eye": [0, 0, 0]}])", "lookAt is missing"},
-        {R"([{"frame": 1, "eye": [0, 0], "lookAt": [0, 0, 1]}])", "eye is not [x, y, z]"},
-        {R"([{"frame": "1", "eye": [0, 0, 0], "lookAt": [0, 0, 1]}])", "frame is no number"},
-        {R"([{"frame": 1, "eye": [0, 0, 0], "lookAt": [0, 0, 1], "lens": 1}])", "'lens' is none of"},
+        {"[1]", ": /0: is no object"},
+        {R"([{"frame": 1, "eye": [0, 0, 0]}])", "/0: lookAt is missing"},
+        {R"([{"frame": 1, "eye": [0, 0], "lookAt": [0, 0, 1]}])", "/0/eye: is not [x, y, z]"},
+        {R"([{"frame": "1", "eye": [0, 0, 0], "lookAt": [0, 0, 1]}])", "/0/frame: is no number"},
+        {R"([{"frame": 1, "eye": [0, 0, 0], "lookAt": [0, 0, 1], "lens": 1}])", "/0: 'lens' is none of"},
         {R"([{"frame": 1, "eye": [0, 0, 0], "lookAt": [0, 0, 1]},
              {"frame": 1, "eye": [0, 0, 0], "lookAt": [0, 0, 1]}])",
          "twice"}};

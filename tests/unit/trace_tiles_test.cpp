@@ -77,6 +77,7 @@ TEST(Progress, TextSaysHowFarHowFastAndHowLong) {
     EXPECT_EQ(progressText("samples", 43.9, 100.0, 0.0), "43 %");
     EXPECT_EQ(progressText("samples", 50e6, 100e6, 12.5e6), "50 %, 12.5 M samples/s, 4 s left");
     EXPECT_EQ(progressText("samples", 100, 100, 1234), "100 %, 1.2 k samples/s, 0 ms left");
+    EXPECT_EQ(progressText("", 0.5, 1.0, 0.25), "50 %, 2 s left");
     EXPECT_EQ(durationText(0.25), "250 ms");
     EXPECT_EQ(durationText(80.0), "1 min 20 s");
     EXPECT_EQ(durationText(3 * 3600 + 5 * 60), "3 h 05 min");

@@ -101,6 +101,9 @@ Atlas packAtlas(const MeshFile& meshFile, std::uint32_t structure, GridStages st
     atlas.materials = textured ? mesh.materials : materialsWithoutImages(mesh);
     atlas.lights = mesh.lights;
     atlas.cameras = mesh.cameras;
+    atlas.cameraKeys = mesh.cameraKeys;
+    atlas.surroundings = mesh.surroundings;
+    atlas.environment = mesh.environment;
     atlas.pages = paintPages(mesh, stages.pages);
     atlas.images = std::move(stages.pages.places);
     return atlas;

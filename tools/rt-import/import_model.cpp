@@ -1,36 +1,48 @@
 #include "tools/rt-import/import_model.h"
 
+#include "common/error.h"
 #include "common/stage_timer.h"
+#include "tools/rt-import/assimp_glm.h"
 #include "tools/rt-import/load_images.h"
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/open_model.h"
+#include "tools/rt-import/place_scenery.h"
 #include "tools/rt-import/read_cameras.h"
 #include "tools/rt-import/read_gltf_extras.h"
 #include "tools/rt-import/read_lights.h"
 #include "tools/rt-import/read_scene.h"
-#include "tools/rt-import/repair_mesh.h"
-#include "tools/rt-import/weld_vertices.h"
+#include "tools/rt-import/scene_description.h"
+#include "tools/rt-import/scene_parts.h"
+#include "tools/rt-import/skip_unneeded.h"
 
 #include <assimp/scene.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string_view>
 
 namespace rt {
 namespace {
 
-// All that is taken from the file, so that the library's own copy of it can be freed before the mesh is
-// built.
-struct SceneParts {
-    SceneSoup soup;
-    std::vector<Material> materials;
-    std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `materials`
-    LoadedImages images;
-    std::vector<Light> lights;
-    std::vector<NamedCamera> cameras;
-};
+void addFace(const aiFace& face, const MeshInstance& instance, Bounds& bounds) {
+    for (unsigned corner = 0; corner < face.mNumIndices; ++corner) {
+        if (face.mIndices[corner] >= instance.mesh->mNumVertices) continue;
+        const glm::dvec3 vertex(vec3Of(instance.mesh->mVertices[face.mIndices[corner]]));
+        const glm::vec3 position(instance.worldFromMesh * glm::dvec4(vertex, 1.0));
+        if (std::isfinite(position.x + position.y + position.z)) bounds.add(position);
+    }
+}
 
-Bounds boundsOf(const SceneSoup& soup) {
+// Of the triangles' bounds, in the model's own space; the origin where there are none.
+glm::vec3 centreOf(const aiScene& scene) {
     Bounds bounds;
-    for (const glm::vec3& position : soup.positions) bounds.add(position);
-    return bounds;
+    for (const MeshInstance& instance : listInstances(scene, {glm::dmat4(1.0)}))
+        for (unsigned f = 0; f < instance.mesh->mNumFaces; ++f)
+            if (instance.mesh->mFaces[f].mNumIndices == 3)
+                addFace(instance.mesh->mFaces[f], instance, bounds);
+    return bounds.lo.x <= bounds.hi.x ? bounds.centre() : glm::vec3(0.0f);
 }
 
 // A facet of an STL file states its own plane's normal, which would hide the surface's smoothness.
@@ -38,90 +50,258 @@ bool hasOwnNormals(const std::string& path) {
     return lowerExtension(path) != "stl";
 }
 
-SpotAngles spotAnglesOf(const std::string& path) {
-    return lowerExtension(path) == "3ds" ? SpotAngles::AcrossCone : SpotAngles::FromAxis;
+SceneryStyle styleOf(const std::string& path) {
+    const std::string extension = lowerExtension(path);
+    return extension == "gltf" || extension == "glb" ? SceneryStyle::Gltf : SceneryStyle::Classic;
 }
 
-// Fills `parts` with the materials that triangles use and their images. What they want of the vertices is
-// returned.
-SoupOptions readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
-                          ModelFolder& folder, std::vector<std::string>& warnings, SceneParts& parts) {
+// The overrides of a scene, and which of them changed something.
+struct Overrides {
+    const std::vector<MaterialOverride>& all;
+    std::vector<bool> matched;
+
+    void apply(const std::vector<std::uint32_t>& indices, MaterialSource& material) {
+        for (const std::uint32_t index : indices) {
+            if (!matches(all[index].pattern, material.name)) continue;
+            applyOverride(all[index], material);
+            matched[index] = true;
+        }
+    }
+};
+
+// The materials that triangles use, and what they want of the vertices.
+struct UsedMaterials {
+    std::vector<MaterialSource> sources;
+    std::vector<std::uint32_t> slotOf; // of each of the scene's materials: index into `sources`
     SoupOptions wanted;
+};
+
+UsedMaterials readMaterials(const aiScene& scene, const std::vector<bool>& used, const GltfExtras& extras,
+                            const PlacedModel& model, Overrides& overrides,
+                            std::vector<std::string>& warnings) {
+    UsedMaterials materials;
+    materials.slotOf.assign(used.size(), 0);
+    SoupOptions& wanted = materials.wanted;
     wanted.uvChannel.assign(used.size(), 0);
     wanted.uvTransform.assign(used.size(), TextureSource::kNoTransform);
-    parts.slotOf.assign(used.size(), 0);
-    std::vector<MaterialSource> sources;
     for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
         if (!used[m]) continue;
-        parts.slotOf[m] = static_cast<std::uint32_t>(sources.size());
+        materials.slotOf[m] = static_cast<std::uint32_t>(materials.sources.size());
         const auto extra = extras.materials.find(m);
-        sources.push_back(readMaterial(*scene.mMaterials[m],
-                                       extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second,
-                                       warnings));
-        for (const auto& texture : sources.back().textures) {
+        materials.sources.push_back(
+            readMaterial(*scene.mMaterials[m],
+                         extra == extras.materials.end() ? GltfMaterialExtras{} : extra->second, warnings));
+        overrides.apply(model.overrides, materials.sources.back());
+        for (const auto& texture : materials.sources.back().textures) {
             if (!texture) continue;
             wanted.uvChannel[m] = texture->uvChannel; // all of them use the same
             wanted.uvTransform[m] = texture->uvTransform;
         }
     }
-    parts.images = loadImages(scene, sources, folder, warnings);
-    wanted.texcoords = !parts.images.images.empty();
-    for (const MaterialSource& source : sources) parts.materials.push_back(source.material);
-    return wanted;
+    return materials;
 }
 
-SceneParts readParts(const std::string& path, ModelFolder& folder, ImportReport& report, StageTimer& timer) {
+// Assimp adds materials of its own, without a name or with this one.
+std::uint64_t countUnusedMaterials(const aiScene& scene, const std::vector<bool>& used) {
+    std::uint64_t count = 0;
+    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+        const std::string name = scene.mMaterials[m]->GetName().C_Str();
+        count += !used[m] && !name.empty() && name != AI_DEFAULT_MATERIAL_NAME;
+    }
+    return count;
+}
+
+// Each of them at each of the model's places.
+template <class Thing>
+void placeAll(const std::vector<Thing>& things, const PlacedModel& model, const char* name,
+              std::vector<Thing>& result, std::vector<std::string>& warnings) {
+    std::size_t broken = 0;
+    for (const Thing& thing : things)
+        for (const glm::dmat4& placement : model.placements) {
+            const Thing moved = placed(thing, placement);
+            if (isValid(moved)) result.push_back(moved);
+            broken += !isValid(moved);
+        }
+    if (broken > 0)
+        warnings.push_back(
+            fmt::format("{} {} are out of range where they are placed and are left out", broken, name));
+}
+
+// Models may leave out the same kind of thing.
+void addLeftOut(const LeftOut& more, std::vector<LeftOut>& leftOut) {
+    const auto same = [&](const LeftOut& other) { return std::string_view(other.what) == more.what; };
+    const auto known = std::find_if(leftOut.begin(), leftOut.end(), same);
+    if (known == leftOut.end()) {
+        leftOut.push_back(more);
+        return;
+    }
+    known->count += more.count;
+    known->bytes += more.bytes;
+}
+
+SceneParts readParts(const PlacedModel& model, const ImportSettings& settings, Overrides& overrides,
+                     ModelFolder& folder, ImportReport& report, std::vector<std::string>& warnings,
+                     StageTimer& timer) {
     timer.begin("read");
-    const OpenModel model(path, folder, report.warnings);
-    const aiScene& scene = model.scene();
-    const std::vector<MeshInstance> instances = listInstances(scene);
+    const OpenModel opened(model.path, settings.allowedFormats, folder, warnings, settings.progress);
+    const aiScene& scene = opened.scene();
+    const std::vector<MeshInstance> instances = listInstances(scene, model.placements);
+    warnOfLost(scene, warnings);
 
     timer.begin("materials");
     SceneParts parts;
-    const GltfExtras extras = readGltfExtras(path, scene, report.warnings);
-    const std::vector<bool> used = findUsedMaterials(scene, instances, path);
-    SoupOptions wanted = readMaterials(scene, used, extras, folder, report.warnings, parts);
-    wanted.normals = hasOwnNormals(path);
+    const GltfExtras extras = readGltfExtras(model.path, scene, warnings);
+    const std::vector<bool> used = findUsedMaterials(scene, instances, model.path);
+    UsedMaterials materials = readMaterials(scene, used, extras, model, overrides, warnings);
+    parts.images = loadImages(scene, materials.sources, folder, warnings);
+    materials.wanted.texcoords = !parts.images.images.empty();
+    materials.wanted.normals = hasOwnNormals(model.path);
+    for (const MaterialSource& source : materials.sources) parts.materials.push_back(source.material);
+    parts.unusedMaterials = countUnusedMaterials(scene, used);
+    addLeftOut(countUnusedTextures(scene, materials.sources), report.leftOut);
+    addLeftOut(countUnusedTexcoords(instances, materials.wanted), report.leftOut);
 
     timer.begin("soup");
-    parts.soup = readSoup(scene, instances, wanted, path);
-    parts.lights = readLights(scene, extras.lightNodes, boundsOf(parts.soup).centre(), spotAnglesOf(path),
-                              report.warnings);
-    parts.cameras = readCameras(scene, extras.cameraNodes, report.warnings);
-    report.droppedFaces = parts.soup.droppedFaces;
+    parts.soup = readSoup(opened, instances, materials.wanted, model.path, report.ledger);
+    for (std::uint32_t& material : parts.soup.triangleMaterial) material = materials.slotOf[material];
+    const SceneryStyle style = styleOf(model.path);
+    if (model.lights && scene.mNumLights > 0)
+        placeAll(readLights(scene, extras.lightNodes, centreOf(scene), style, warnings), model, "lights",
+                 parts.lights, warnings);
+    if (model.cameras)
+        placeAll(readCameras(scene, extras.cameraNodes, style, warnings), model, "cameras", parts.cameras,
+                 warnings);
     return parts;
+}
+
+void addOnce(const std::vector<std::string>& more, std::vector<std::string>& names) {
+    for (const std::string& name : more)
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+}
+
+// All models, one after the other. Warnings name the model where there are several.
+SceneParts readModels(const SceneDescription& scene, const ImportSettings& settings, ImportedModel& result,
+                      StageTimer& timer) {
+    constexpr double kReadingShare = 0.5; // of the time, about
+    const auto count = static_cast<double>(scene.models.size());
+    double models = 0.0;
+    ImportSettings ofModel = settings;
+    ofModel.progress = [&](double part) { settings.progress(kReadingShare * (models + part) / count); };
+    const bool several = scene.models.size() > 1 || !scene.filesRead.empty();
+    std::vector<std::string>& warnings = result.report.warnings;
+    Overrides overrides{scene.overrides, std::vector<bool>(scene.overrides.size())};
+    SceneParts whole;
+    for (const PlacedModel& model : scene.models) {
+        ModelFolder folder(model.path, model.folders);
+        std::vector<std::string> own;
+        append(readParts(model, ofModel, overrides, folder, result.report, own, timer), whole, model.path);
+        models += 1.0;
+        for (const std::string& warning : own)
+            warnings.push_back(several ? model.path + ": " + warning : warning);
+        addOnce(folder.filesRead(), result.filesRead);
+    }
+    for (std::size_t i = 0; i < scene.overrides.size(); ++i)
+        if (!overrides.matched[i])
+            warnings.push_back(fmt::format("{}: no material is called '{}'", scene.overrides[i].place,
+                                           scene.overrides[i].pattern));
+    return whole;
+}
+
+void addDescribed(SceneDescription& scene, const SceneParts& parts, Mesh& mesh) {
+    std::vector<Light> lights = parts.lights;
+    lights.insert(lights.end(), scene.lights.begin(), scene.lights.end());
+    std::vector<NamedCamera> cameras = parts.cameras;
+    std::vector<CameraKey> keys;
+    for (const DescribedCamera& described : scene.cameras) {
+        for (CameraKey key : described.path) {
+            key.camera = static_cast<std::uint32_t>(cameras.size());
+            keys.push_back(key);
+        }
+        cameras.push_back(described.camera);
+    }
+    makeNamesUnique(cameras);
+    mesh.lights = std::move(lights);
+    mesh.cameras = std::move(cameras);
+    mesh.cameraKeys = std::move(keys);
+    if (scene.surroundings.hasBackground || scene.hasEnvironment)
+        mesh.surroundings = std::vector<Surroundings>{scene.surroundings};
+    mesh.environment = std::move(scene.environment.pixels);
+}
+
+void skipUnneeded(SceneParts& parts, std::vector<LeftOut>& leftOut) {
+    leftOut.push_back(countUnusedVertices(parts.soup));
+    const std::uint64_t unused =
+        parts.unusedMaterials + dropUnusedMaterials(parts.soup.triangleMaterial, parts.materials);
+    leftOut.push_back({"unusedMaterials", unused, unused * sizeof(Material)});
+    leftOut.push_back(dropUnusedImages(parts.materials, parts.images));
+}
+
+// 1500 materials may miss the same texture.
+void countRepeats(std::vector<std::string>& warnings) {
+    std::vector<std::string> distinct;
+    std::map<std::string, unsigned> counts;
+    for (std::string& warning : warnings)
+        if (counts[warning]++ == 0) distinct.push_back(std::move(warning));
+    for (std::string& warning : distinct)
+        if (const unsigned count = counts[warning]; count > 1) warning += fmt::format(" ({} times)", count);
+    warnings = std::move(distinct);
+}
+
+void requireFlawless(const ImportReport& report, const std::string& path) {
+    std::vector<std::string> faults = report.ledger.lines();
+    faults.insert(faults.end(), report.warnings.begin(), report.warnings.end());
+    if (faults.empty()) return;
+    const std::string more = faults.size() > 1 ? fmt::format(" (and {} more)", faults.size() - 1) : "";
+    throw Error(ErrorKind::InvalidContent,
+                fmt::format("{}: {}{}; --strict takes only what needs no repair", path, faults[0], more));
 }
 
 } // namespace
 
-ImportedModel importModel(const std::string& path, double creaseDegrees, StageTimer& timer) {
+std::string nameOf(const SceneSources& sources) {
+    return fmt::format("{}", fmt::join(sources.inputs, ", "));
+}
+
+ImportedModel importScene(const SceneSources& sources, const ImportSettings& settings, StageTimer& timer) {
     ImportedModel result;
-    ModelFolder folder(path);
-    SceneParts parts = readParts(path, folder, result.report, timer);
+    ImportReport& report = result.report;
+    timer.begin("describe");
+    SceneDescription scene = describeScene(sources.inputs, sources.roots);
+    report.warnings = scene.warnings;
+    addOnce(scene.filesRead, result.filesRead);
+    SceneParts parts = readModels(scene, settings, result, timer);
+    const std::string name = nameOf(sources);
+    requireTriangles(parts.soup, name, report.ledger);
+    settings.progress(0.6);
 
     timer.begin("repair");
-    const Weld weld = weldPositions(parts.soup);
-    result.report.weldedVertices = weld.positions.size();
-    result.report.generatedNormals = countMissingNormals(parts.soup);
-    const RepairedSurface surface =
-        repairSurface(weld.positions, weld.triangles, creaseDegrees, result.report.generatedNormals > 0);
-    result.report.degenerateTriangles = surface.degenerateTriangles;
-    result.report.nonManifoldFaces = surface.nonManifoldFaces;
+    report.leftOut.push_back(dropInvisible(parts.materials, parts.soup));
+    const RepairedSurface surface = repairSoup(parts.soup, settings.repair, name, report.ledger,
+                                               [&](double part) { settings.progress(0.6 + 0.3 * part); });
+    report.weldedVertices = surface.weld.positions.size();
+    report.movedVertices = surface.weld.movedPositions;
+    report.generatedNormals = surface.generatedNormals;
+    report.decimatedFrom = surface.decimatedFrom;
+    report.surface = surface.figures;
 
     timer.begin("merge");
+    skipUnneeded(parts, report.leftOut);
+    countRepeats(report.warnings);
+    if (settings.strict) requireFlawless(report, name);
     Mesh& mesh = result.mesh;
-    mesh = mergeCorners(parts.soup, weld, surface.cornerNormals);
-    for (std::uint32_t& material : parts.soup.triangleMaterial) material = parts.slotOf[material];
+    mesh = mergeCorners(parts.soup, surface.weld, surface.cornerNormals);
     mesh.triangleMaterial = std::move(parts.soup.triangleMaterial);
     mesh.materials = std::move(parts.materials);
-    mesh.lights = std::move(parts.lights);
-    mesh.cameras = std::move(parts.cameras);
     mesh.images = std::move(parts.images.images);
     mesh.pixels = std::move(parts.images.pixels);
-    validate(mesh, path);
+    addDescribed(scene, parts, mesh);
+    validate(mesh, name);
     timer.end();
-    result.filesRead = folder.filesRead();
     return result;
+}
+
+ImportedModel importModel(const std::string& path, const ImportSettings& settings, StageTimer& timer) {
+    return importScene({{path}, {}}, settings, timer);
 }
 
 } // namespace rt

@@ -1,7 +1,9 @@
 #pragma once
 #include "formats/mesh.h"
 #include "tools/rt-import/import_report.h"
+#include "tools/rt-import/repair_mesh.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,14 +11,33 @@ namespace rt {
 
 class StageTimer;
 
+struct ImportSettings {
+    RepairOptions repair = {};
+    std::vector<std::string> allowedFormats = {};         ///< extensions read besides the usual ones
+    bool strict = false;                                  ///< refuse what has to be mended or loses something
+    std::function<void(double)> progress = [](double) {}; ///< is told which part is done, 0 to 1
+};
+
 struct ImportedModel {
     Mesh mesh; ///< valid
     ImportReport report;
     std::vector<std::string> filesRead; ///< the model, its material libraries, buffers and textures
 };
 
-/// Reads a model file into a mesh. Creases are edges at which generated normals do not smooth, from
-/// `creaseDegrees` on. Throws Error{FileAccess, InvalidContent or LimitExceeded}.
-ImportedModel importModel(const std::string& path, double creaseDegrees, StageTimer& timer);
+/// Models and scene files, and folders that scene files and models may read from besides their own.
+struct SceneSources {
+    std::vector<std::string> inputs;
+    std::vector<std::string> roots;
+};
+
+/// "a.obj, b.glb".
+std::string nameOf(const SceneSources& sources);
+
+/// Reads all of the inputs, in their order, into one mesh. Throws Error{FileAccess, InvalidContent or
+/// LimitExceeded}.
+ImportedModel importScene(const SceneSources& sources, const ImportSettings& settings, StageTimer& timer);
+
+/// importScene() of one input.
+ImportedModel importModel(const std::string& path, const ImportSettings& settings, StageTimer& timer);
 
 } // namespace rt

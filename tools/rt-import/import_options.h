@@ -1,5 +1,7 @@
 #pragma once
 #include "common/command_line.h"
+#include "tools/rt-import/guard_process.h"
+#include "tools/rt-import/import_model.h"
 
 #include <string>
 #include <vector>
@@ -8,9 +10,11 @@ namespace rt {
 
 struct ImportOptions {
     CommonOptions common;
-    std::string modelPath;
+    SceneSources sources;
     std::string outputPath;
-    double creaseDegrees = 45.0;
+    ImportSettings settings;
+    GuardLimits limits;
+    bool listFormats = false; ///< and nothing else
 };
 
 /// Returns false when --help or --version was asked for and printed. Throws Error{Usage}.

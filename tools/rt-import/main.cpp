@@ -3,10 +3,9 @@
 #include "common/log.h"
 #include "common/run_tool.h"
 #include "common/stage_timer.h"
-#include "formats/mesh_file.h"
-#include "tools/rt-import/guard_process.h"
-#include "tools/rt-import/import_model.h"
+#include "tools/rt-import/import_message.h"
 #include "tools/rt-import/import_options.h"
+#include "tools/rt-import/model_formats.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,31 +14,51 @@ namespace rt {
 namespace {
 
 void logSummary(const std::string& path, const ImportedModel& model, const StageTimer& timer) {
-    for (const std::string& warning : model.report.warnings) logWarning(path + ": " + warning);
+    const ImportReport& report = model.report;
+    for (const std::string& line : report.ledger.lines()) logWarning(path + ": " + line);
+    for (const std::string& warning : report.warnings) logWarning(path + ": " + warning);
     logStages(timer);
+    for (const std::string& line : detailLines(report)) logDetail(line);
     const Mesh& mesh = model.mesh;
-    logInfo(fmt::format("{}: {} triangles, {} vertices, {} materials, {} images, {} bytes, {:.0f} ms", path,
-                        mesh.triangles.size(), mesh.positions.size(), mesh.materials.size(),
-                        mesh.images.size(), byteCount(mesh), timer.totalMs()));
+    logInfo(fmt::format("{}: {} triangles, {} vertices, {} materials, {} images, {} bytes, {} left out, "
+                        "{:.0f} ms",
+                        path, mesh.triangles.size(), mesh.positions.size(), mesh.materials.size(),
+                        mesh.images.size(), byteCount(mesh), byteCount(report.leftOut), timer.totalMs()));
+}
+
+// The child's half.
+int importForParent(ImportOptions& options, GuardProcess& guard) {
+    StageTimer timer;
+    options.settings.progress = [&](double part) { guard.setProgress(part); };
+    const ImportedModel model = importScene(options.sources, options.settings, timer);
+    logSummary(nameOf(options.sources), model, timer);
+    guard.send(model.mesh, toText({model.filesRead,
+                                   toJson(model.report, model.mesh, timer)
+                                       .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}));
+    return 0;
 }
 
 int run(int argc, const char* const* argv) {
     ImportOptions options;
     if (!parseImportOptions(argc, argv, options)) return 0;
+    if (options.listFormats) {
+        writeFile("-", formatTable());
+        return 0;
+    }
     const std::vector<std::string> outputs = outputsOf(options);
     for (const std::string& path : outputs) requireWritable(path);
-    if (const std::optional<int> exitCode = forkGuarded(options.modelPath)) return *exitCode;
-    StageTimer timer;
-    const ImportedModel model = importModel(options.modelPath, options.creaseDegrees, timer);
-    requireDistinctPaths(model.filesRead, outputs); // textures and libraries count as inputs too
-    timer.begin("write");
-    writeMesh(options.outputPath, model.mesh);
-    timer.end();
+    const std::string name = nameOf(options.sources);
+    GuardProcess guard(name, options.limits);
+    if (guard.isChild()) return importForParent(options, guard);
+    if (const int exitCode = guard.wait(); exitCode != 0) return exitCode;
+    const ReceivedMesh received = guard.receive();
+    const ImportMessage message = readMessage(received.message, name);
+    requireDistinctPaths(message.filesRead, outputs); // textures and libraries count as inputs too
+    writeFile(options.outputPath, received.file);
     if (!options.common.depfilePath.empty())
-        writeDepfile(options.common.depfilePath, options.outputPath, model.filesRead);
+        writeDepfile(options.common.depfilePath, options.outputPath, message.filesRead);
     if (!options.common.jsonPath.empty())
-        writeJson(options.common.jsonPath, toJson(model.report, model.mesh, timer));
-    logSummary(options.modelPath, model, timer);
+        writeJson(options.common.jsonPath, nlohmann::json::parse(message.report));
     return 0;
 }
 

@@ -1,5 +1,9 @@
 #include "tools/rt-import/model_folder.h"
 
+#include "common/json_reader.h"
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -7,6 +11,8 @@ namespace rt {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kMostParts = 8; // at the end of a name that are tried
 
 std::string withSlashes(std::string name) {
     std::replace(name.begin(), name.end(), '\\', '/');
@@ -46,16 +52,29 @@ std::optional<fs::path> findEntry(const fs::path& folder, const std::string& nam
     return found;
 }
 
-std::optional<std::string> findInside(const fs::path& folder, const fs::path& relative) {
-    fs::path path = folder;
+bool isBelow(const fs::path& path, const fs::path& folder) {
+    return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+fs::path orHere(const fs::path& folder) {
+    return folder.empty() ? fs::path(".") : folder.lexically_normal();
+}
+
+// The file or folder at the end of the path, letter case forgiven.
+std::optional<fs::path> walk(fs::path folder, const fs::path& relative) {
     for (const fs::path& part : relative) {
-        const std::optional<fs::path> entry = findEntry(path, part);
+        std::optional<fs::path> entry = findEntry(folder, part);
         if (!entry) return std::nullopt;
-        path = *entry;
+        folder = std::move(*entry);
     }
+    return folder;
+}
+
+// As it is on disk, all links followed, no slash at the end.
+fs::path realPath(const fs::path& path) {
     std::error_code ignored;
-    if (!fs::is_regular_file(path, ignored)) return std::nullopt;
-    return path.lexically_normal().string();
+    const fs::path real = fs::canonical(path, ignored);
+    return real.has_filename() ? real : real.parent_path();
 }
 
 } // namespace
@@ -65,10 +84,15 @@ std::string lowerExtension(const std::string& path) {
     return extension.empty() ? extension : extension.substr(1);
 }
 
-ModelFolder::ModelFolder(const std::string& modelPath)
-    : modelPath_(modelPath), folder_(fs::path(modelPath).parent_path()) {
-    if (folder_.empty()) folder_ = ".";
-    folder_ = folder_.lexically_normal();
+ModelFolder::ModelFolder(const std::string& modelPath, const std::vector<std::string>& others)
+    : modelPath_(modelPath), folders_{orHere(fs::path(modelPath).parent_path())} {
+    for (const std::string& other : others) folders_.push_back(orHere(other));
+    for (const fs::path& folder : folders_) realFolders_.push_back(realPath(folder));
+}
+
+bool ModelFolder::isInside(const fs::path& realPath) const {
+    return std::any_of(realFolders_.begin(), realFolders_.end(),
+                       [&](const fs::path& folder) { return !folder.empty() && isBelow(realPath, folder); });
 }
 
 std::optional<std::string> ModelFolder::find(const std::string& name) const {
@@ -79,23 +103,54 @@ std::optional<std::string> ModelFolder::find(const std::string& name) const {
 
 std::optional<std::string> ModelFolder::findSpelled(const std::string& name) const {
     const fs::path path = fs::path(withSlashes(name)).lexically_normal();
-    const bool inside = !path.empty() && path.is_relative() && *path.begin() != "..";
-    if (inside)
-        if (auto found = findInside(folder_, path)) return found;
-    const fs::path last = path.filename();
-    if (last.empty() || last == "." || last == "..") return std::nullopt;
-    return findInside(folder_, last);
+    if (path.is_relative())
+        if (auto found = findRelative(path)) return found;
+    const std::vector<fs::path> parts(path.begin(), path.end());
+    for (std::size_t first = parts.size() - std::min(parts.size(), kMostParts); first < parts.size();
+         ++first) {
+        fs::path end;
+        for (std::size_t i = first; i < parts.size(); ++i) end /= parts[i];
+        if (end.is_absolute() || end == path) continue;
+        if (auto found = findRelative(end)) return found;
+    }
+    return std::nullopt;
+}
+
+std::optional<std::string> ModelFolder::findRelative(const fs::path& relative) const {
+    for (std::size_t i = 0; i < folders_.size(); ++i) {
+        // Before anything outside is even looked for.
+        if (!isInside((realFolders_[i] / relative).lexically_normal())) continue;
+        const std::optional<fs::path> path = walk(folders_[i], relative);
+        std::error_code ignored;
+        if (!path || !fs::is_regular_file(*path, ignored)) continue;
+        const fs::path real = realPath(*path);
+        if (!isInside(real)) continue;
+        // Where the folder is a link, what ".." leads to is not what stands before it.
+        return (*relative.begin() == ".." ? real : path->lexically_normal()).string();
+    }
+    return std::nullopt;
 }
 
 std::optional<std::string> ModelFolder::findComposed(const std::string& path) const {
     if (path == modelPath_) return path;
     const std::string slashed = withSlashes(path);
-    const fs::path relative = fs::path(slashed).lexically_normal().lexically_relative(folder_);
+    const fs::path relative = fs::path(slashed).lexically_normal().lexically_relative(folders_.front());
     return find(relative.empty() ? slashed : relative.string());
 }
 
 void ModelFolder::addRead(const std::string& path) {
     if (std::find(filesRead_.begin(), filesRead_.end(), path) == filesRead_.end()) filesRead_.push_back(path);
+}
+
+std::string requireFile(const JsonNode& name, const ModelFolder& folder) {
+    const std::string text = name.text();
+    const auto found = folder.find(text);
+    if (!found)
+        name.fail(
+            fmt::format("'{}' was not found in the scene file's folder or below, nor in a --texture-root",
+                        text),
+            ErrorKind::FileAccess);
+    return *found;
 }
 
 } // namespace rt

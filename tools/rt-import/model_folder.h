@@ -6,18 +6,23 @@
 
 namespace rt {
 
+class JsonNode;
+
 /// "obj" for "a/B.OBJ"; empty if there is none.
 std::string lowerExtension(const std::string& path);
 
-/// The folder that a model lies in. Names that the model's text gives to other files are looked up here and
-/// nowhere else, and every file that is read is remembered for the dependency file.
+/// The folder that a model or scene file lies in, and others that it may read from. Names that its text gives
+/// to other files are looked up here and nowhere else, and every file that is read is remembered for the
+/// dependency file.
 class ModelFolder {
 public:
-    explicit ModelFolder(const std::string& modelPath);
+    explicit ModelFolder(const std::string& modelPath, const std::vector<std::string>& others = {});
 
-    /// Path of the file that `name`, as the model spells it, stands for: backslashes count as slashes, letter
-    /// case is ignored where no file matches exactly, and a name that leads out of the folder or to nothing
-    /// is tried by its last part. %20 and the like are decoded if nothing is found otherwise. Empty if no
+    /// Path of the file that `name`, as the model spells it, stands for, in one of the folders or below.
+    /// Backslashes count as slashes, and letter case is ignored where no file matches exactly. A name that
+    /// leads to nothing there, as one that is absolute on another machine, is tried by what stands at its
+    /// end: the last eight parts of it, the last seven, and so on to the last one. %20 and the like are
+    /// decoded if nothing is found otherwise. A link is followed if it stays within the folders. Empty if no
     /// file matches.
     std::optional<std::string> find(const std::string& name) const;
 
@@ -31,10 +36,16 @@ public:
 
 private:
     std::optional<std::string> findSpelled(const std::string& name) const;
+    std::optional<std::string> findRelative(const std::filesystem::path& relative) const;
+    bool isInside(const std::filesystem::path& realPath) const;
 
     std::string modelPath_;
-    std::filesystem::path folder_;
+    std::vector<std::filesystem::path> folders_; // the model's own first
+    std::vector<std::filesystem::path> realFolders_;
     std::vector<std::string> filesRead_;
 };
+
+/// The file that a text of a scene file names. Throws Error{FileAccess} if there is none.
+std::string requireFile(const JsonNode& name, const ModelFolder& folder);
 
 } // namespace rt

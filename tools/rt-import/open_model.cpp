@@ -2,43 +2,45 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
+#include "tools/rt-import/check_collada.h"
+#include "tools/rt-import/correct_3ds.h"
+#include "tools/rt-import/cut_polygons.h"
 #include "tools/rt-import/model_folder.h"
+#include "tools/rt-import/model_formats.h"
 
 #include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
+#include <assimp/ProgressHandler.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/version.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <filesystem>
 #include <optional>
 #include <set>
-#include <string_view>
 
 namespace rt {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The loaders that are used. Assimp has some forty more, most of them rarely tried on hostile input.
-constexpr std::array<std::string_view, 6> kExtensions{"obj", "ply", "stl", "gltf", "glb", "3ds"};
-
-void requireReadable(const std::string& path) {
+void requireReadable(const std::string& path, const std::vector<std::string>& allowedFormats) {
     std::error_code ignored;
     const fs::file_status status = fs::status(path, ignored);
     if (fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status))
         throw Error(ErrorKind::FileAccess, path + ": is not a regular file; models are read from files only");
-    const bool empty = readFile(path).empty();
+    const SharedSpan<std::byte> bytes = readFile(path);
     const std::string extension = lowerExtension(path);
-    if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end())
-        throw Error(ErrorKind::InvalidContent,
-                    fmt::format("{}: extension '{}' is not among those that are read: {}", path, extension,
-                                readableFormats()));
-    if (empty) throw Error(ErrorKind::InvalidContent, path + ": is empty; a model was expected");
+    if (!isReadable(extension, allowedFormats))
+        throw Error(
+            ErrorKind::InvalidContent,
+            fmt::format("{}: extension '{}' is not among those that are read ({}); --allow-format may "
+                        "add it, --list-formats lists all",
+                        path, extension, readableFormats()));
+    if (bytes.empty()) throw Error(ErrorKind::InvalidContent, path + ": is empty; a model was expected");
+    if (extension == "dae") checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
 }
 
 // Opens only what lies in the model's folder, for reading, and keeps the list of what it opened.
@@ -68,6 +70,18 @@ private:
     mutable std::string firstMissing_; // Exists() is const to Assimp
 };
 
+class LoaderProgress final : public Assimp::ProgressHandler {
+public:
+    explicit LoaderProgress(std::function<void(double)> progress) : progress_(std::move(progress)) {}
+    bool Update(float part) override {
+        if (part >= 0.0f) progress_(static_cast<double>(part));
+        return true;
+    }
+
+private:
+    std::function<void(double)> progress_;
+};
+
 // Leaves only the loaders of this extension, so that no other one gets to guess at a damaged file.
 void keepLoadersOf(const std::string& extension, Assimp::Importer& importer) {
     for (std::size_t i = importer.GetImporterCount(); i-- > 0;) {
@@ -85,18 +99,38 @@ void keepLoadersOf(const std::string& extension, Assimp::Importer& importer) {
 struct OpenModel::Impl {
     Assimp::Importer importer;
     const aiScene* scene = nullptr;
+    std::vector<CutPolygons> polygons; // of each mesh
 };
 
-OpenModel::OpenModel(const std::string& path, ModelFolder& folder, std::vector<std::string>& warnings)
+OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats,
+                     ModelFolder& folder, std::vector<std::string>& warnings,
+                     const std::function<void(double)>& progress)
     : impl_(std::make_unique<Impl>()) {
-    requireReadable(path);
+    requireReadable(path, allowedFormats);
+    Assimp::Importer& importer = impl_->importer;
     auto* io = new FolderIO(folder);
-    impl_->importer.SetIOHandler(io); // which owns it from here on
-    keepLoadersOf(lowerExtension(path), impl_->importer);
-    impl_->scene = impl_->importer.ReadFile(path, aiProcess_Triangulate);
-    if (!impl_->scene || !impl_->scene->mRootNode)
+    importer.SetIOHandler(io); // which owns it from here on, and the next one too
+    importer.SetProgressHandler(new LoaderProgress(progress));
+    keepLoadersOf(lowerExtension(path), importer);
+    const auto requireScene = [&] {
+        if (impl_->scene && impl_->scene->mRootNode) return;
+        const std::string reason = importer.GetErrorString();
+        if (reason.find("bad_alloc") != std::string::npos)
+            throw Error(ErrorKind::LimitExceeded,
+                        path +
+                            ": memory does not suffice to read it; it is damaged or --max-memory is too low");
         throw Error(ErrorKind::InvalidContent,
-                    fmt::format("{}: cannot be read as a model: {}", path, impl_->importer.GetErrorString()));
+                    fmt::format("{}: cannot be read as a model: {}", path, reason));
+    };
+    impl_->scene = importer.ReadFile(path, 0);
+    requireScene();
+    // The importer owns the scene and hands it out for reading only, but made it to be processed further.
+    auto& unfinished = const_cast<aiScene&>(*impl_->scene);
+    if (lowerExtension(path) == "3ds") correct3ds(readFile(path), unfinished);
+    impl_->polygons = listPolygons(unfinished);
+    impl_->scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+    requireScene();
+    matchTriangles(*impl_->scene, impl_->polygons);
     if (!io->firstMissing().empty())
         warnings.push_back(
             fmt::format("file '{}', which the model names, was not found in its folder", io->firstMissing()));
@@ -108,8 +142,12 @@ const aiScene& OpenModel::scene() const {
     return *impl_->scene;
 }
 
-std::string readableFormats() {
-    return fmt::format("{}", fmt::join(kExtensions, ", "));
+const std::vector<std::uint32_t>& OpenModel::polygonsOf(unsigned mesh) const {
+    return impl_->polygons[mesh].ofTriangle;
+}
+
+const std::vector<std::uint32_t>& OpenModel::badPolygonsOf(unsigned mesh) const {
+    return impl_->polygons[mesh].bad;
 }
 
 std::string assimpVersion() {

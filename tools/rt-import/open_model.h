@@ -1,4 +1,6 @@
 #pragma once
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,22 +15,28 @@ class ModelFolder;
 /// indexing.
 class OpenModel {
 public:
-    /// Throws Error{FileAccess} if the file cannot be read, Error{InvalidContent} if its extension is not one
-    /// of those that are read or if its content makes no sense to Assimp. `folder` must outlive this object.
-    OpenModel(const std::string& path, ModelFolder& folder, std::vector<std::string>& warnings);
+    /// `allowedFormats` are extensions that are read besides the usual ones; `progress` is told which part of
+    /// the reading is done, 0 to 1. Throws Error{FileAccess} if the file cannot be read,
+    /// Error{InvalidContent} if its extension is not one of those that are read or if its content makes no
+    /// sense to Assimp, Error{LimitExceeded} if memory does not suffice for it. `folder` must outlive this
+    /// object.
+    OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats, ModelFolder& folder,
+              std::vector<std::string>& warnings, const std::function<void(double)>& progress);
     ~OpenModel();
     OpenModel(const OpenModel&) = delete;
     OpenModel& operator=(const OpenModel&) = delete;
 
     const aiScene& scene() const;
+    /// For each face of the mesh, the polygon of the file that it was cut from, counted from 0; empty where
+    /// every face is its own.
+    const std::vector<std::uint32_t>& polygonsOf(unsigned mesh) const;
+    /// Polygons of the mesh that could not be cut into as many triangles as they should.
+    const std::vector<std::uint32_t>& badPolygonsOf(unsigned mesh) const;
 
 private:
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };
-
-/// "OBJ, PLY, ...": the formats that are read.
-std::string readableFormats();
 
 /// "Assimp 5.2.5".
 std::string assimpVersion();

@@ -3,6 +3,7 @@
 #include "formats/mesh.h"
 
 #include "tools/rt-import/assimp_glm.h"
+#include "tools/rt-import/place_scenery.h"
 
 #include <assimp/light.h>
 #include <assimp/scene.h>
@@ -20,8 +21,24 @@ bool hasPlace(const aiLight& light) {
     return light.mType == aiLightSource_POINT || light.mType == aiLightSource_SPOT;
 }
 
-bool fallsOff(const aiLight& light) {
-    return light.mAttenuationLinear != 0.0f || light.mAttenuationQuadratic != 0.0f;
+// The part of a light's colour that arrives at a distance.
+double attenuation(const aiLight& light, double distance) {
+    const double falls = double(light.mAttenuationConstant) + double(light.mAttenuationLinear) * distance +
+                         double(light.mAttenuationQuadratic) * distance * distance;
+    return falls > 0.0 ? 1.0 / falls : 1.0;
+}
+
+bool fallsOtherwise(const aiLight& light) {
+    return hasPlace(light) && (light.mAttenuationConstant != 0.0f || light.mAttenuationLinear != 0.0f ||
+                               light.mAttenuationQuadratic == 0.0f);
+}
+
+// Our lights give a white surface intensity / (pi d^2), or over pi where there is no distance; this makes it
+// the colour itself.
+double brightness(const aiLight& light, double distance) {
+    if (light.mType == aiLightSource_AREA) return 1.0;
+    if (light.mType == aiLightSource_DIRECTIONAL) return glm::pi<double>();
+    return glm::pi<double>() * distance * distance * attenuation(light, distance);
 }
 
 // Not finite for a direction of length 0, which isValid() refuses.
@@ -29,27 +46,20 @@ vec3 unitVector(const glm::dvec3& v) {
     return vec3(v / glm::length(v));
 }
 
-void setCone(const aiLight& source, SpotAngles angles, Light& light) {
-    const float scale = angles == SpotAngles::FromAxis ? 1.0f : 0.5f;
+void setCone(const aiLight& source, SceneryStyle style, Light& light) {
+    const float scale = style == SceneryStyle::Gltf ? 1.0f : 0.5f;
     const float outer = std::clamp(scale * source.mAngleOuterCone, 0.0f, glm::pi<float>());
     const float inner = std::clamp(scale * source.mAngleInnerCone, 0.0f, outer);
     light.direction.w = std::cos(outer);
     light.edgeU.w = std::max(std::cos(inner), light.direction.w);
 }
 
-// A transform may skew the rectangle to a parallelogram; the second edge is then set upright, which keeps the
-// area.
 void setRectangle(const aiLight& source, const glm::dmat3& linear, Light& light) {
     const glm::dvec3 normal(vec3Of(source.mDirection)), up(vec3Of(source.mUp));
-    const glm::dvec3 u =
-        linear * (glm::normalize(glm::cross(normal, up)) * (0.5 * static_cast<double>(source.mSize.x)));
-    const glm::dvec3 skewed = linear * (glm::normalize(glm::cross(glm::cross(normal, up), normal)) *
-                                        (0.5 * static_cast<double>(source.mSize.y)));
-    const glm::dvec3 v = skewed - u * (glm::dot(skewed, u) / glm::dot(u, u));
-    const glm::dvec3 across = glm::cross(u, v);
-    light.direction = vec4(unitVector(glm::dot(across, linear * normal) < 0.0 ? -across : across), 0.0f);
-    light.edgeU = vec4(vec3(u), 0.0f);
-    light.edgeV = vec4(vec3(v), 0.0f);
+    const glm::dvec3 across = glm::cross(normal, up);
+    setRectangle(glm::normalize(across) * (0.5 * static_cast<double>(source.mSize.x)),
+                 glm::normalize(glm::cross(across, normal)) * (0.5 * static_cast<double>(source.mSize.y)),
+                 normal, linear, light);
 }
 
 std::optional<std::uint32_t> kindOf(const aiLight& light) {
@@ -68,22 +78,19 @@ std::optional<std::uint32_t> kindOf(const aiLight& light) {
 }
 
 Light readLight(const aiLight& source, std::uint32_t kind, const aiNode* node, const aiNode* owner,
-                const glm::vec3& sceneCentre, SpotAngles spotAngles) {
+                const glm::vec3& sceneCentre, SceneryStyle style) {
     const glm::dmat3 linear(worldFromNode(node));
     Light light{};
     light.kind.x = kind;
     glm::dvec3 color(source.mColorDiffuse.r, source.mColorDiffuse.g, source.mColorDiffuse.b);
-    if (kind != kLightDirectional) {
-        const glm::dvec3 position = worldPosition(node, owner, glm::dvec3(vec3Of(source.mPosition)));
-        light.position = vec4(vec3(position), 0.0f);
-        const glm::dvec3 toCentre = glm::dvec3(sceneCentre) - position;
-        // Our lights give intensity / (pi d^2); this makes it the colour itself at the centre.
-        if (hasPlace(source) && !fallsOff(source)) color *= glm::pi<double>() * glm::dot(toCentre, toCentre);
-    }
+    const glm::dvec3 position = worldPosition(node, owner, glm::dvec3(vec3Of(source.mPosition)));
+    if (kind != kLightDirectional) light.position = vec4(vec3(position), 0.0f);
+    if (style == SceneryStyle::Classic)
+        color *= brightness(source, glm::distance(glm::dvec3(sceneCentre), position));
     light.intensity = vec4(vec3(glm::max(color, 0.0)), 0.0f);
     if (kind == kLightDirectional || kind == kLightSpot)
         light.direction = vec4(unitVector(linear * glm::dvec3(vec3Of(source.mDirection))), 0.0f);
-    if (kind == kLightSpot) setCone(source, spotAngles, light);
+    if (kind == kLightSpot) setCone(source, style, light);
     if (kind == kLightRectangle) setRectangle(source, linear, light);
     return light;
 }
@@ -91,9 +98,9 @@ Light readLight(const aiLight& source, std::uint32_t kind, const aiNode* node, c
 } // namespace
 
 std::vector<Light> readLights(const aiScene& scene, const NodesByName& nodes, const glm::vec3& sceneCentre,
-                              SpotAngles spotAngles, std::vector<std::string>& warnings) {
+                              SceneryStyle style, std::vector<std::string>& warnings) {
     std::vector<Light> lights;
-    unsigned otherKinds = 0, constant = 0, broken = 0;
+    unsigned otherKinds = 0, otherFall = 0, broken = 0;
     for (unsigned i = 0; i < scene.mNumLights; ++i) {
         const aiLight& source = *scene.mLights[i];
         const auto kind = kindOf(source);
@@ -101,11 +108,11 @@ std::vector<Light> readLights(const aiScene& scene, const NodesByName& nodes, co
         if (!kind) continue;
         const aiNode* owner = scene.mRootNode->FindNode(source.mName);
         for (const aiNode* node : nodesOf(source.mName.C_Str(), nodes, scene.mRootNode)) {
-            const Light light = readLight(source, *kind, node, owner, sceneCentre, spotAngles);
+            const Light light = readLight(source, *kind, node, owner, sceneCentre, style);
             const bool valid = isValid(light);
             if (valid) lights.push_back(light);
             broken += !valid;
-            constant += valid && hasPlace(source) && !fallsOff(source);
+            otherFall += valid && style == SceneryStyle::Classic && fallsOtherwise(source);
         }
     }
     if (otherKinds > 0)
@@ -114,11 +121,11 @@ std::vector<Light> readLights(const aiScene& scene, const NodesByName& nodes, co
     if (broken > 0)
         warnings.push_back(
             fmt::format("{} lights are not finite or have no direction or size and are left out", broken));
-    if (constant > 0)
+    if (otherFall > 0)
         warnings.push_back(
-            fmt::format("{} lights have no fall-off in the file; they get one that keeps their "
-                        "brightness at the scene's centre",
-                        constant));
+            fmt::format("{} lights do not fall off with the square of the distance in the file; they "
+                        "do here, and keep their brightness at the scene's centre",
+                        otherFall));
     return lights;
 }
 

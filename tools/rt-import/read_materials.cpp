@@ -16,8 +16,6 @@ namespace rt {
 namespace {
 
 constexpr float kDefaultGrey = 0.8f;
-constexpr float kGlassIor = 1.5f;
-constexpr float kMaxIor = 100.0f;
 constexpr MaterialKey kGltfUnlit{"$mat.gltf.unlit", 0, 0}; // Assimp names it in a deprecated header only
 
 std::optional<TextureSource>& textureOf(MaterialSource& source, TextureUse use) {
@@ -98,26 +96,21 @@ void readGltf(const aiMaterial& source, const std::string& alphaMode, MaterialSo
     if (findColor(source, {AI_MATKEY_SHEEN_COLOR_FACTOR})) lost.emplace_back("sheen");
 }
 
+// Of what the reflective colour says where there is one: COLLADA and FBX often name a share of black.
+float readReflectivity(const aiMaterial& source) {
+    const vec4 color = findColor(source, {AI_MATKEY_COLOR_REFLECTIVE}).value_or(vec4(1.0f));
+    return numberOr(source, {AI_MATKEY_REFLECTIVITY}, 0.0f) * std::max({color.r, color.g, color.b});
+}
+
 void readOptics(const aiMaterial& source, MaterialSource& result, std::vector<std::string>& lost) {
     if (const auto illum = findInteger(source, {AI_MATKEY_OBJ_ILLUM}))
         readMtlOptics(source, *illum, result.material);
     else if (const auto alphaMode = findText(source, {AI_MATKEY_GLTF_ALPHAMODE}))
         readGltf(source, *alphaMode, result, lost);
     else
-        setOptics(result.material, numberOr(source, {AI_MATKEY_REFLECTIVITY}, 0.0f),
+        setOptics(result.material, readReflectivity(source),
                   1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f),
                   numberOr(source, {AI_MATKEY_REFRACTI}, 1.0f));
-}
-
-// The base colour is all that counts; the rest is for renderers that do not know "unlit".
-void keepBaseColorOnly(MaterialSource& result) {
-    const vec4 baseColor = result.material.baseColor;
-    const float cutoff = result.material.transmission.w;
-    result.material = diffuseMaterial(vec3(1.0f));
-    result.material.baseColor = baseColor;
-    result.material.transmission.w = cutoff;
-    result.material.more.y = kMaterialUnlit;
-    for (unsigned use = 1; use < kTextureUses; ++use) result.textures[use].reset();
 }
 
 // Also drops the textures of what is zero anyway.
@@ -164,9 +157,7 @@ MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& 
     result.material.reflection.z *= extras.specular;
     readFactorsOfTextures(source, extras.emissiveStrength, result);
     if (findInteger(source, kGltfUnlit).value_or(0) != 0) keepBaseColorOnly(result);
-    const auto& colors = textureOf(result, TextureUse::BaseColor);
-    if (result.material.baseColor.w < 1.0f || (colors && !colors->alphaName.empty()))
-        result.material.more.y |= kMaterialClear;
+    markClear(result);
     for (const TextureUse use : keepOneSetOfCoordinates(result.textures)) {
         dropTexture(result, use);
         lost.push_back(fmt::format("{} texture, which uses other texture coordinates,", nameOf(use)));
@@ -174,6 +165,23 @@ MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& 
     for (const std::string& what : lost)
         warnings.push_back(fmt::format("material '{}': its {} is not carried over", result.name, what));
     return result;
+}
+
+void keepBaseColorOnly(MaterialSource& source) {
+    const vec4 baseColor = source.material.baseColor;
+    const float cutoff = source.material.transmission.w;
+    source.material = diffuseMaterial(vec3(1.0f));
+    source.material.baseColor = baseColor;
+    source.material.transmission.w = cutoff;
+    source.material.more.y = kMaterialUnlit;
+    for (unsigned use = 1; use < kTextureUses; ++use) source.textures[use].reset();
+}
+
+void markClear(MaterialSource& source) {
+    const auto& colors = textureOf(source, TextureUse::BaseColor);
+    const bool clear = source.material.baseColor.w < 1.0f || (colors && !colors->alphaName.empty());
+    source.material.more.y =
+        clear ? source.material.more.y | kMaterialClear : source.material.more.y & ~kMaterialClear;
 }
 
 void dropTexture(MaterialSource& source, TextureUse use) {

@@ -4,6 +4,9 @@
 
 namespace rt {
 
+inline constexpr float kGlassIor = 1.5f; ///< where a material is glass and does not say of which kind
+inline constexpr float kMaxIor = 100.0f;
+
 struct MaterialSource {
     std::string name;
     Material material; ///< its images are not yet set
@@ -14,6 +17,12 @@ struct MaterialSource {
 /// numbers are finite and clamped to their ranges. What cannot be carried over adds a warning.
 MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& extras,
                             std::vector<std::string>& warnings);
+
+/// Leaves the base colour and the opacity alone, as an unlit material shows nothing else.
+void keepBaseColorOnly(MaterialSource& source);
+
+/// Notes whether the opacity counts: of the material itself or of its image.
+void markClear(MaterialSource& source);
 
 /// Takes a texture away. The factor that it would have scaled counts as 0 then, not as everywhere 1; only a
 /// base colour or a roughness stays as its factor.

@@ -3,6 +3,7 @@
 #include "common/bounds.h"
 #include "common/error.h"
 #include "tools/rt-import/assimp_glm.h"
+#include "tools/rt-import/open_model.h"
 
 #include <assimp/mesh.h>
 #include <assimp/scene.h>
@@ -11,44 +12,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
 
 namespace rt {
 namespace {
 
-// OpenMesh numbers halfedges, up to six for each triangle, with 32-bit integers.
-constexpr std::uint64_t kMaxCount = 1u << 28;
-
-bool isFinite(const aiVector3D& v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
 bool isFinite(const glm::vec3& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool isFinite(const glm::vec2& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y);
 }
 
 std::uint64_t countTriangles(const aiMesh& mesh) {
     std::uint64_t count = 0;
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) count += mesh.mFaces[f].mNumIndices == 3;
     return count;
-}
-
-void requireFinite(const aiScene& scene, const std::string& path) {
-    std::uint64_t bad = 0;
-    std::string first;
-    for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
-        const aiMesh& mesh = *scene.mMeshes[m];
-        if (countTriangles(mesh) == 0) continue;
-        for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
-            const aiVector3D& p = mesh.mVertices[v];
-            if (isFinite(p)) continue;
-            if (bad++ == 0)
-                first = fmt::format("vertex {} of mesh '{}' is ({}, {}, {})", v, mesh.mName.C_Str(), p.x, p.y,
-                                    p.z);
-        }
-    }
-    if (bad > 0)
-        throw Error(
-            ErrorKind::InvalidContent,
-            fmt::format("{}: {}; {} vertices are not finite; correct or remove them", path, first, bad));
 }
 
 bool anyHasNormals(const std::vector<MeshInstance>& instances) {
@@ -64,22 +44,20 @@ void reserve(SceneSoup& soup, const std::vector<MeshInstance>& instances, const 
     std::uint64_t vertices = 0, triangles = 0;
     for (const MeshInstance& instance : instances) {
         const std::uint64_t count = countTriangles(*instance.mesh);
-        soup.droppedFaces += instance.mesh->mNumFaces - count;
         if (count == 0) continue;
         triangles += count;
         vertices += instance.mesh->mNumVertices;
     }
-    if (triangles == 0)
-        throw Error(ErrorKind::InvalidContent, path + ": has no triangles; nothing could be seen");
-    if (triangles > kMaxCount || vertices > kMaxCount)
+    if (triangles > kMaxSoupCount || vertices > kMaxSoupCount)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: {} triangles and {} vertices exceed {}; split the scene", path,
-                                triangles, vertices, kMaxCount));
+                                triangles, vertices, kMaxSoupCount));
     soup.positions.reserve(vertices);
     if (options.normals) soup.normals.reserve(vertices);
     if (options.texcoords) soup.texcoords.reserve(vertices);
     soup.triangles.reserve(triangles);
     soup.triangleMaterial.reserve(triangles);
+    soup.origins.reserve(triangles);
 }
 
 // Cofactors are the inverse transpose times the determinant, and exist for flattening transforms too.
@@ -107,60 +85,85 @@ void appendVertices(const MeshInstance& instance, const glm::dmat3& worldFromNor
                                        : glm::vec3(0.0f));
         if (!options.texcoords) continue;
         const aiVector3D t = hasTexcoords ? mesh.mTextureCoords[channel][v] : aiVector3D(0, 0, 0);
-        const glm::vec2 moved = options.uvTransform[mesh.mMaterialIndex] * glm::vec3(t.x, t.y, 1.0f);
-        soup.texcoords.push_back(isFinite(glm::vec3(moved, 0.0f)) ? moved : glm::vec2(0.0f));
+        soup.texcoords.push_back(options.uvTransform[mesh.mMaterialIndex] * glm::vec3(t.x, t.y, 1.0f));
     }
 }
 
-void appendTriangles(const aiMesh& mesh, bool mirrored, std::uint32_t firstVertex, const std::string& path,
+// What keeps a face out of the soup.
+std::optional<Defect> faultOf(const aiFace& face, const aiMesh& mesh, std::uint32_t firstVertex,
+                              const SceneSoup& soup) {
+    if (face.mNumIndices == 0) return Defect::MissingVertices; // a polygon that lost its corners for that
+    if (face.mNumIndices != 3) return Defect::PointsAndLines;
+    const std::span<const unsigned> corners(face.mIndices, 3);
+    if (std::any_of(corners.begin(), corners.end(), [&](unsigned c) { return c >= mesh.mNumVertices; }))
+        return Defect::MissingVertices;
+    if (!std::all_of(corners.begin(), corners.end(),
+                     [&](unsigned c) { return isFinite(soup.positions[firstVertex + c]); }))
+        return Defect::NotFinite;
+    return std::nullopt;
+}
+
+void noteBadAttributes(const aiMesh& mesh, const glm::uvec3& t, FaceOrigin origin, const SceneSoup& soup,
+                       Ledger& ledger) {
+    const auto anyCorner = [&](const auto& is) { return is(t.x) || is(t.y) || is(t.z); };
+    if (mesh.HasNormals() && !soup.normals.empty() &&
+        anyCorner([&](std::uint32_t v) { return soup.normals[v] == glm::vec3(0.0f); }))
+        ledger.add(Defect::BadNormals, origin);
+    if (!soup.texcoords.empty() && anyCorner([&](std::uint32_t v) { return !isFinite(soup.texcoords[v]); }))
+        ledger.add(Defect::BadTexcoords, origin);
+}
+
+void appendTriangles(const MeshInstance& instance, bool mirrored, std::uint32_t firstVertex,
+                     const std::vector<std::uint32_t>& polygonOf, std::uint32_t meshId, Ledger& ledger,
                      SceneSoup& soup) {
+    const aiMesh& mesh = *instance.mesh;
     for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
         const aiFace& face = mesh.mFaces[f];
-        if (face.mNumIndices != 3) continue;
+        const FaceOrigin origin{meshId, polygonOf.empty() ? f : polygonOf[f]};
+        if (const auto fault = faultOf(face, mesh, firstVertex, soup)) {
+            ledger.add(*fault, origin);
+            continue;
+        }
         const glm::uvec3 t(face.mIndices[0], face.mIndices[1], face.mIndices[2]);
-        if (t.x >= mesh.mNumVertices || t.y >= mesh.mNumVertices || t.z >= mesh.mNumVertices)
-            throw Error(ErrorKind::InvalidContent,
-                        fmt::format("{}: face {} of mesh '{}' uses vertices {}, {}, {}; the mesh has {}",
-                                    path, f, mesh.mName.C_Str(), t.x, t.y, t.z, mesh.mNumVertices));
         soup.triangles.push_back(firstVertex + (mirrored ? glm::uvec3(t.x, t.z, t.y) : t));
         soup.triangleMaterial.push_back(mesh.mMaterialIndex);
+        soup.origins.push_back(origin);
+        noteBadAttributes(mesh, soup.triangles.back(), origin, soup, ledger);
     }
 }
 
-void requireFiniteWorld(const SceneSoup& soup, const std::string& path) {
-    Bounds bounds;
-    for (std::size_t v = 0; v < soup.positions.size(); ++v) {
-        const glm::vec3& p = soup.positions[v];
-        if (!isFinite(p))
-            throw Error(ErrorKind::InvalidContent,
-                        fmt::format("{}: vertex {} is ({}, {}, {}) after its node's transform; "
-                                    "scale the scene to smaller coordinates",
-                                    path, v, p.x, p.y, p.z));
-        bounds.add(p);
-    }
-    if (!isFinite(bounds.extent()))
-        throw Error(ErrorKind::InvalidContent,
-                    fmt::format("{}: the scene reaches from {:g} to {:g}, an extent that "
-                                "overflows 32 bits; scale it to smaller coordinates",
-                                path, glm::min(bounds.lo.x, glm::min(bounds.lo.y, bounds.lo.z)),
-                                glm::max(bounds.hi.x, glm::max(bounds.hi.y, bounds.hi.z))));
+void appendInstance(const OpenModel& model, const MeshInstance& instance, const SoupOptions& options,
+                    std::uint32_t meshId, Ledger& ledger, SceneSoup& soup) {
+    const glm::dmat3 linear(instance.worldFromMesh);
+    const double determinant = glm::determinant(linear);
+    const auto firstVertex = static_cast<std::uint32_t>(soup.positions.size());
+    if (countTriangles(*instance.mesh) > 0)
+        appendVertices(instance, normalTransform(linear, determinant), options, soup);
+    appendTriangles(instance, determinant < 0.0, firstVertex, model.polygonsOf(instance.meshIndex), meshId,
+                    ledger, soup);
+    for (std::size_t v = firstVertex; v < soup.texcoords.size(); ++v)
+        if (!isFinite(soup.texcoords[v])) soup.texcoords[v] = glm::vec2(0.0f);
+    for (const std::uint32_t polygon : model.badPolygonsOf(instance.meshIndex))
+        ledger.add(Defect::BadPolygons, {meshId, polygon});
 }
 
 } // namespace
 
-std::vector<MeshInstance> listInstances(const aiScene& scene) {
+std::vector<MeshInstance> listInstances(const aiScene& scene, const std::vector<glm::dmat4>& placements) {
     struct Pending {
         const aiNode* node;
         glm::dmat4 worldFromParent;
     };
     std::vector<MeshInstance> instances;
-    std::vector<Pending> stack{{scene.mRootNode, glm::dmat4(1.0)}};
+    std::vector<Pending> stack;
+    for (auto placement = placements.rbegin(); placement != placements.rend(); ++placement)
+        stack.push_back({scene.mRootNode, *placement});
     while (!stack.empty()) {
         const Pending top = stack.back();
         stack.pop_back();
         const glm::dmat4 worldFromNode = top.worldFromParent * mat4Of(top.node->mTransformation);
         for (unsigned m = 0; m < top.node->mNumMeshes; ++m)
-            instances.push_back({scene.mMeshes[top.node->mMeshes[m]], worldFromNode});
+            instances.push_back({top.node->mMeshes[m], scene.mMeshes[top.node->mMeshes[m]], worldFromNode});
         for (unsigned c = top.node->mNumChildren; c-- > 0;)
             stack.push_back({top.node->mChildren[c], worldFromNode});
     }
@@ -181,23 +184,47 @@ std::vector<bool> findUsedMaterials(const aiScene& scene, const std::vector<Mesh
     return used;
 }
 
-SceneSoup readSoup(const aiScene& scene, const std::vector<MeshInstance>& instances,
-                   const SoupOptions& wanted, const std::string& path) {
+SceneSoup readSoup(const OpenModel& model, const std::vector<MeshInstance>& instances,
+                   const SoupOptions& wanted, const std::string& path, Ledger& ledger) {
+    const aiScene& scene = model.scene();
     SoupOptions options = wanted;
     options.normals = wanted.normals && anyHasNormals(instances);
     SceneSoup soup;
     reserve(soup, instances, options, path);
-    requireFinite(scene, path);
-    for (const MeshInstance& instance : instances) {
-        if (countTriangles(*instance.mesh) == 0) continue;
-        const glm::dmat3 linear(instance.worldFromMesh);
-        const double determinant = glm::determinant(linear);
-        const auto firstVertex = static_cast<std::uint32_t>(soup.positions.size());
-        appendVertices(instance, normalTransform(linear, determinant), options, soup);
-        appendTriangles(*instance.mesh, determinant < 0.0, firstVertex, path, soup);
+    std::uint32_t firstMesh = 0;
+    for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+        const std::uint32_t id = ledger.addMesh(scene.mMeshes[m]->mName.C_Str());
+        if (m == 0) firstMesh = id;
     }
-    requireFiniteWorld(soup, path);
+    for (const MeshInstance& instance : instances)
+        appendInstance(model, instance, options, firstMesh + instance.meshIndex, ledger, soup);
     return soup;
+}
+
+void removeTriangles(SceneSoup& soup, const std::vector<bool>& dropped) {
+    removeMarked(soup.triangles, dropped);
+    removeMarked(soup.triangleMaterial, dropped);
+    removeMarked(soup.origins, dropped);
+}
+
+void requireFiniteExtent(const SceneSoup& soup, const std::string& path) {
+    Bounds bounds;
+    for (const glm::uvec3& t : soup.triangles)
+        for (int corner = 0; corner < 3; ++corner) bounds.add(soup.positions[t[corner]]);
+    if (!isFinite(bounds.extent()))
+        throw Error(ErrorKind::InvalidContent,
+                    fmt::format("{}: the scene reaches from {:g} to {:g}, an extent that "
+                                "overflows 32 bits; scale it to smaller coordinates",
+                                path, glm::min(bounds.lo.x, glm::min(bounds.lo.y, bounds.lo.z)),
+                                glm::max(bounds.hi.x, glm::max(bounds.hi.y, bounds.hi.z))));
+}
+
+void requireTriangles(const SceneSoup& soup, const std::string& path, const Ledger& ledger) {
+    if (!soup.triangles.empty()) return;
+    const std::vector<std::string> lines = ledger.lines();
+    throw Error(ErrorKind::InvalidContent,
+                fmt::format("{}: has no triangles{}; nothing could be seen", path,
+                            lines.empty() ? "" : fmt::format(" ({})", fmt::join(lines, "; "))));
 }
 
 } // namespace rt

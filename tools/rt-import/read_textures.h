@@ -26,7 +26,8 @@ struct TextureSource {
     std::uint32_t wrapV = kWrapRepeat;
     std::uint32_t uvChannel = 0;            ///< which of a mesh's sets of texture coordinates it uses
     glm::mat3x2 uvTransform = kNoTransform; ///< texture coordinate from the mesh's, which is (u, v, 1)
-    bool mayBeHeights = false;              ///< a bump map: normals only if it looks like them
+    bool isPath = false;       ///< the names are paths of files, known not to be inside the model
+    bool mayBeHeights = false; ///< a bump map: normals only if it looks like them
 
     static constexpr glm::mat3x2 kNoTransform{1, 0, 0, 1, 0, 0};
 };

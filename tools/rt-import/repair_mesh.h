@@ -1,30 +1,34 @@
 #pragma once
-#include <glm/vec3.hpp>
+#include "tools/rt-import/ledger.h"
+#include "tools/rt-import/surface_topology.h"
+#include "tools/rt-import/weld_vertices.h"
 
-#include <cstdint>
-#include <span>
+#include <functional>
 #include <string>
-#include <vector>
 
 namespace rt {
 
-struct RepairedSurface {
-    std::vector<glm::vec3> cornerNormals;  ///< three per triangle, unit; empty if not wanted
-    std::uint64_t degenerateTriangles = 0; ///< area exactly zero
-    std::uint64_t nonManifoldFaces = 0;    ///< refused by the halfedge mesh: a third face at an edge, a
-                                           ///< duplicate, or turned against its neighbours
+struct RepairOptions {
+    double weldDistance = 0.0; ///< world units; positions that are closer become one
+    double creaseDegrees = 45.0;
+    double decimateRatio = 1.0;                 ///< which part of the triangles is wanted
+    std::uint64_t maxTriangles = kMaxSoupCount; ///< more are decimated to this
 };
 
-/// Builds a halfedge mesh (OpenMesh) of welded positions and smooths over it: a corner's normal is the mean
-/// of the normals of the faces round its vertex that are reached without crossing an edge sharper than
-/// `creaseDegrees`, a border or a refused face, weighted by their angles there (Thuermer and Wuethrich 1998).
-/// Corners of one such fan have the very same normal. A refused face takes at each corner the closest normal
-/// of the fans there that no crease separates from it, or else its own; a face of no area takes a neighbour's
-/// or else +z.
-RepairedSurface repairSurface(std::span<const glm::vec3> positions, std::span<const glm::uvec3> triangles,
-                              double creaseDegrees, bool wantNormals);
+struct RepairedSurface {
+    Weld weld;                            ///< of the repaired soup
+    std::vector<glm::vec3> cornerNormals; ///< three per triangle; empty if the soup has all it needs
+    SurfaceFigures figures;
+    std::uint64_t generatedNormals = 0; ///< triangle corners for which the soup had no usable one
+    std::uint64_t decimatedFrom = 0;    ///< triangles before the decimation; 0 = there was none
+};
 
-/// "OpenMesh 9.0".
-std::string openMeshVersion();
+/// Welds positions, drops faces that have no area or repeat another one, turns faces as their neighbours are,
+/// decimates, and generates the normals that are missing. What it finds goes into `ledger`. Throws
+/// Error{InvalidContent} if no triangle is left or the scene is too wide for 32-bit floats, and
+/// Error{LimitExceeded} if decimation cannot reach options.maxTriangles; messages prefixed by `path`.
+/// `progress` is told which part is done, 0 to 1.
+RepairedSurface repairSoup(SceneSoup& soup, const RepairOptions& options, const std::string& path,
+                           Ledger& ledger, const std::function<void(double)>& progress);
 
 } // namespace rt

@@ -10,6 +10,12 @@ struct aiNode;
 
 namespace rt {
 
+/// How a file states its lights and cameras. glTF: candela and lux, a spot's angles from its axis, a camera's
+/// angle of the height times the ratio of the sides (which is what Assimp makes of it). Others: the colour
+/// that a white surface shows in that light, which falls off as the file says; a spot's angles from one side
+/// to the other; a camera's angle of the width, or of the height where no ratio is given.
+enum class SceneryStyle { Gltf, Classic };
+
 /// The nodes at which a light or camera of this name stands.
 using NodesByName = std::map<std::string, std::vector<const aiNode*>>;
 

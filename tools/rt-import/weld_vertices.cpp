@@ -2,6 +2,12 @@
 
 #include "tools/rt-import/index_table.h"
 
+#include <glm/geometric.hpp>
+
+#include <array>
+#include <unordered_map>
+#include <utility>
+
 namespace rt {
 namespace {
 
@@ -13,9 +19,7 @@ bool hasNormal(const SceneSoup& soup, std::uint32_t vertex) {
     return !soup.normals.empty() && soup.normals[vertex] != glm::vec3(0.0f);
 }
 
-} // namespace
-
-Weld weldPositions(const SceneSoup& soup) {
+Weld weldEqual(const SceneSoup& soup) {
     constexpr std::uint32_t kUnseen = 0xFFFFFFFFu;
     Weld weld;
     IndexTable table(soup.positions.size());
@@ -38,6 +42,64 @@ Weld weldPositions(const SceneSoup& soup) {
         }
         weld.triangles.push_back(welded);
     }
+    return weld;
+}
+
+// The welded positions so far, in boxes of the distance's size.
+class PositionGrid {
+public:
+    explicit PositionGrid(double distance) : distance_(distance) {}
+
+    /// The first position within the distance, or the new one.
+    std::uint32_t findOrAdd(const glm::vec3& position, std::vector<glm::vec3>& positions) {
+        const auto next = static_cast<std::uint32_t>(positions.size());
+        const glm::dvec3 box = glm::floor(glm::dvec3(position) / distance_);
+        std::uint32_t found = next;
+        for (int i = 0; i < 27; ++i) {
+            const auto entry = boxes_.find(keyOf(box + glm::dvec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
+            if (entry == boxes_.end()) continue;
+            for (const std::uint32_t other : entry->second)
+                if (other < found &&
+                    glm::distance(glm::dvec3(positions[other]), glm::dvec3(position)) <= distance_)
+                    found = other;
+        }
+        if (found != next) return found;
+        positions.push_back(position);
+        boxes_[keyOf(box)].push_back(next);
+        return next;
+    }
+
+private:
+    using Key = std::array<double, 3>;
+    struct Hash {
+        std::size_t operator()(const Key& key) const {
+            std::uint64_t hash = 0;
+            for (const double number : key) {
+                const auto bits = std::bit_cast<std::uint64_t>(number);
+                hash = mixHash(mixHash(hash, static_cast<std::uint32_t>(bits)),
+                               static_cast<std::uint32_t>(bits >> 32));
+            }
+            return hash;
+        }
+    };
+    static Key keyOf(const glm::dvec3& box) { return {box.x + 0.0, box.y + 0.0, box.z + 0.0}; } // no -0
+
+    double distance_;
+    std::unordered_map<Key, std::vector<std::uint32_t>, Hash> boxes_;
+};
+
+} // namespace
+
+Weld weldPositions(const SceneSoup& soup, double distance) {
+    Weld weld = weldEqual(soup);
+    if (!(distance > 0.0)) return weld;
+    PositionGrid grid(distance);
+    const std::vector<glm::vec3> apart = std::exchange(weld.positions, {});
+    std::vector<std::uint32_t> weldedOf;
+    weldedOf.reserve(apart.size());
+    for (const glm::vec3& position : apart) weldedOf.push_back(grid.findOrAdd(position, weld.positions));
+    for (glm::uvec3& t : weld.triangles) t = {weldedOf[t.x], weldedOf[t.y], weldedOf[t.z]};
+    weld.movedPositions = apart.size() - weld.positions.size();
     return weld;
 }
 

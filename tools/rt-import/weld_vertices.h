@@ -11,10 +11,12 @@ namespace rt {
 struct Weld {
     std::vector<glm::vec3> positions;  ///< the distinct ones, in the order of first use by a triangle; no -0
     std::vector<glm::uvec3> triangles; ///< as the soup's, indexing these positions
+    std::uint64_t movedPositions = 0;  ///< that became one with another within the distance
 };
 
-/// Positions are the same if all their bits are, but that -0 is +0.
-Weld weldPositions(const SceneSoup& soup);
+/// Positions are the same if all their bits are, but that -0 is +0, or if `distance` or less separates one
+/// from the first that was there.
+Weld weldPositions(const SceneSoup& soup, double distance = 0.0);
 
 /// Makes an indexed mesh of the corners of the triangles: those that agree in position, normal and texture
 /// coordinates share a vertex; vertices stand in the order of first use. `cornerNormals`, three per triangle,

@@ -14,7 +14,8 @@
 namespace rt {
 namespace {
 
-static_assert(kCameraPerspective == kPerspectiveView && kCameraOrthographic == kOrthographicView);
+static_assert(kCameraPerspective == kPerspectiveView && kCameraOrthographic == kOrthographicView &&
+              kCameraPanorama == kPanoramaView);
 
 constexpr double kMargin = 1.06;    // of the picture round the scene
 constexpr double kLeastSine = 1e-6; // between the view and up
@@ -131,6 +132,7 @@ CameraRequest withNamedCamera(const CameraRequest& request, std::span<const Name
     if (!filled.up) filled.up = toPoint(named->up);
     if (!filled.view) filled.view = named->kind;
     if (filled.view != named->kind) return filled; // the rest says nothing of another kind
+    if (named->kind == kCameraPanorama) return filled;
     if (named->kind == kCameraOrthographic) {
         if (!filled.height) filled.height = named->height;
         return filled;

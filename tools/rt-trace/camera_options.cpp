@@ -39,7 +39,7 @@ void addCameraOptions(CLI::App& app, TraceOptions& options, CameraTexts& texts) 
             ->type_name("DIST"),
         app.add_option("--camera-path", options.cameraPath,
                        "Cameras for --frames: a JSON array of {frame, eye, lookAt, up, fov}, with straight "
-                       "lines between its frames")
+                       "lines between its frames; else the path of the scene's --camera")
             ->type_name("FILE"),
     };
     for (CLI::Option* option : added) option->group("Pictures: camera");

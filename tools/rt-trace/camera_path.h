@@ -1,4 +1,5 @@
 #pragma once
+#include "formats/camera_path.h"
 #include "tools/rt-trace/camera.h"
 
 #include <span>
@@ -7,19 +8,13 @@
 
 namespace rt {
 
-/// A camera at one frame of a path.
-struct CameraKey {
-    double frame = 0.0;
-    glm::dvec3 eye{0.0};
-    glm::dvec3 lookAt{0.0};
-    glm::dvec3 up{0.0, 1.0, 0.0};
-    double fovDegrees = kDefaultFovDegrees;
-};
-
-/// A JSON array of {"frame": N, "eye": [x, y, z], "lookAt": [x, y, z], "up": [x, y, z], "fov": degrees}; up
-/// and fov may be absent. Comes back in the order of the frames. Throws Error{FileAccess}, or
-/// Error{InvalidContent} for anything else, an empty array or a frame that is there twice.
+/// cameraPathOf() of a file; --fov's usual angle where it says none. Throws Error{FileAccess} too.
 std::vector<CameraKey> readCameraPath(const std::string& path);
+
+/// The path of the scene's camera of that name. Throws Error{Usage} if it has none. Safe for keys that have
+/// not been checked.
+std::vector<CameraKey> pathOfCamera(const std::string& name, std::span<const NamedCamera> cameras,
+                                    std::span<const CameraKey> keys);
 
 /// The request with the camera of a frame: on a straight line between the frames before and behind it; before
 /// the first and behind the last frame it stands still.

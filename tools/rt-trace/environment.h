@@ -1,16 +1,13 @@
 #pragma once
+#include "formats/environment_picture.h"
+
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
 
 namespace rt {
 
-/// Light from far away on all sides, and how it is distributed.
-///
-/// The direction (x, y, z), of unit length and pointing away from the scene, is seen at
-///     u = atan2(x, -z) / (2 pi) + 0.5,   v = acos(y) / pi
-/// of the picture: +y is its top row, the middle column is -z, +x lies a quarter of the width right of that.
-/// Pixel (column, row) covers [column, column + 1) / width by [row, row + 1) / height.
+/// An EnvironmentPicture, and how its light is distributed.
 struct EnvironmentMap {
     unsigned width = 0;
     unsigned height = 0;
@@ -29,16 +26,13 @@ struct EnvironmentMap {
     std::vector<float> cdf;
 };
 
-/// Whether --environment names a file: it ends in .exr or .hdr.
-bool isEnvironmentFile(const std::string& text);
-
 /// Throws Error{Usage} unless --environment names a file or a colour.
 void checkEnvironment(const std::string& text);
 
-/// From the channels R, G, B or Y of an EXR, from a Radiance HDR, or of one colour, "G" or "R,G,B", which
-/// becomes 2x64 pixels. What is negative or not finite becomes 0, with a warning. Throws Error{Usage},
-/// Error{FileAccess}, Error{InvalidContent} or Error{LimitExceeded}.
+/// Of readEnvironment(), or of one colour, "G" or "R,G,B". Throws Error{Usage}, Error{FileAccess},
+/// Error{InvalidContent} or Error{LimitExceeded}.
 EnvironmentMap loadEnvironment(const std::string& text);
+EnvironmentMap mapOf(EnvironmentPicture picture);
 
 /// EnvironmentMap::cdf of such pixels.
 std::vector<float> environmentCdf(unsigned width, unsigned height, const std::vector<glm::vec3>& pixels);

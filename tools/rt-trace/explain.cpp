@@ -21,7 +21,7 @@ std::string total(const std::vector<SectionUse>& uses, bool uploaded) {
 
 } // namespace
 
-std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan) {
+std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment) {
     const bool render = plan.kind == ShaderKind::Render;
     const bool images = render && plan.features.hasTextures;
     std::vector<SectionUse> uses = {{"voxels", atlas.voxels.size_bytes(), true}};
@@ -38,15 +38,17 @@ std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan
     uses.push_back({"lights", atlas.lights.size_bytes(), render && plan.features.lightCount > 0});
     uses.push_back({"images", atlas.images.size_bytes(), images});
     uses.push_back({"pages", atlas.pages.size_bytes(), images});
+    uses.push_back(
+        {"environment", atlas.environment.size_bytes(), plan.features.hasEnvironment && ownEnvironment});
     std::erase_if(uses, [](const SectionUse& use) { return use.bytes == 0; });
     return uses;
 }
 
-std::string explanation(const Atlas& atlas, const ResourcePlan& plan) {
+std::string explanation(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment) {
     std::string text = "What the shader is compiled for; 0 leaves code out, other values come from:\n";
     for (const FeatureRow& row : featureTable())
         text += fmt::format("  {:<24}{:>3}  {}\n", row.macro, plan.features.*row.field, row.reason);
-    const std::vector<SectionUse> uses = sectionUses(atlas, plan);
+    const std::vector<SectionUse> uses = sectionUses(atlas, plan, ownEnvironment);
     text += "Parts of the atlas:\n";
     for (const SectionUse& use : uses)
         text += fmt::format("  {:<18}{:>14} bytes  {}\n", use.name, use.bytes,

@@ -11,10 +11,11 @@ struct SectionUse {
     bool uploaded = false;
 };
 
-/// Every array of the atlas, as it is used by variants of this plan.
-std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan);
+/// Every array of the atlas, as it is used by variants of this plan. `ownEnvironment`: no other one takes the
+/// place of the atlas'.
+std::vector<SectionUse> sectionUses(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment);
 
 /// Text for people: each feature with its value and what it comes from, then each part of the atlas.
-std::string explanation(const Atlas& atlas, const ResourcePlan& plan);
+std::string explanation(const Atlas& atlas, const ResourcePlan& plan, bool ownEnvironment);
 
 } // namespace rt

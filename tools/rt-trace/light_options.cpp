@@ -18,27 +18,27 @@ void addLightOptions(CLI::App& app, TraceOptions& options, LightTexts& texts) {
                ",R,G,B; else a white surface at the scene's centre gets a radiance of 0.9")
             ->type_name("[KIND:]X,Y,Z...[,R,G,B]"),
         app.add_option("--ambient", texts.ambient,
-                       "Light from everywhere; else 0.1, or none with --environment")
+                       "Light from everywhere; else 0.1, or none with an environment")
             ->type_name("G|R,G,B"),
         app.add_option("--occlusion", options.occlusion,
                        "Surfaces nearer than this hide ambient light; 0 = none does")
             ->check(notNegative())
             ->type_name("DIST")
             ->capture_default_str(),
-        app.add_option("--background", texts.background, "Radiance behind the scene")
-            ->type_name("G|R,G,B")
-            ->capture_default_str(),
+        app.add_option("--background", texts.background,
+                       "Radiance behind the scene; else the scene's, or 0.32,0.4,0.5")
+            ->type_name("G|R,G,B"),
         app.add_option("--environment", options.environment,
                        "Light from far away on all sides, and what is seen there: a picture of 360 by 180 "
-                       "degrees, .exr or .hdr, or one colour")
+                       "degrees, .exr or .hdr, or one colour; else the scene's, if it has one")
             ->type_name("FILE|G|R,G,B"),
-        app.add_option("--environment-turn", options.environmentTurn, "Turns it about the scene's +y")
-            ->type_name("DEG")
-            ->capture_default_str(),
-        app.add_option("--environment-strength", options.environmentStrength, "Makes it brighter or darker")
+        app.add_option("--environment-turn", options.environmentTurn,
+                       "Turns it about the scene's +y; else as the scene says of its own, or 0")
+            ->type_name("DEG"),
+        app.add_option("--environment-strength", options.environmentStrength,
+                       "Makes it brighter or darker; else as the scene says of its own, or 1")
             ->check(notNegative())
-            ->type_name("X")
-            ->capture_default_str(),
+            ->type_name("X"),
         app.add_option("--max-depth", options.maxDepth, "Reflections and refractions in a row")
             ->check(numberBetween(0, 16))
             ->type_name("N")
@@ -48,9 +48,8 @@ void addLightOptions(CLI::App& app, TraceOptions& options, LightTexts& texts) {
 }
 
 void convertLight(const LightTexts& texts, TraceOptions& options) {
-    const char* const usual = options.environment.empty() ? "0.1" : "0";
-    options.ambient = parseColor(texts.ambient.empty() ? usual : texts.ambient, "--ambient");
-    options.background = parseColor(texts.background, "--background");
+    if (!texts.ambient.empty()) options.ambient = parseColor(texts.ambient, "--ambient");
+    if (!texts.background.empty()) options.background = parseColor(texts.background, "--background");
     if (!options.environment.empty()) checkEnvironment(options.environment);
     for (const std::string& light : texts.lights) options.lights.push_back(parseLight(light));
 }

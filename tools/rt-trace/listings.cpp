@@ -10,6 +10,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <array>
+#include <optional>
+
 namespace rt {
 namespace {
 
@@ -23,6 +27,19 @@ std::string memoryText(const GlDevice& device) {
 
 nlohmann::json orNull(const std::optional<std::uint64_t>& value) {
     return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+std::string extentOf(const NamedCamera& camera) {
+    if (camera.kind == kCameraPerspective) return fmt::format("  fov {:g}", camera.fovDegrees);
+    return camera.kind == kCameraOrthographic ? fmt::format("  height {:g}", camera.height) : "";
+}
+
+// The first and the last frame of a camera's path, if it has one.
+std::optional<std::array<double, 2>> framesOf(std::size_t camera, std::span<const CameraKey> keys) {
+    const auto isOurs = [=](const CameraKey& key) { return key.camera == camera; };
+    const auto first = std::find_if(keys.begin(), keys.end(), isOurs);
+    if (first == keys.end()) return std::nullopt;
+    return {{first->frame, std::find_if(keys.rbegin(), keys.rend(), isOurs)->frame}};
 }
 
 // Whoever wants JSON on standard output gets nothing else there.
@@ -64,23 +81,24 @@ nlohmann::json devicesToJson(std::span<const GlDevice> devices) {
     return {{"devices", list}};
 }
 
-std::string cameraList(std::span<const NamedCamera> cameras) {
+std::string cameraList(const Atlas& atlas) {
     std::string text;
-    for (const NamedCamera& camera : cameras) {
-        const bool perspective = camera.kind == kCameraPerspective;
-        text += fmt::format("{}  {}  {}  eye {:g},{:g},{:g}  look-at {:g},{:g},{:g}\n", nameOf(camera),
-                            viewName(camera.kind),
-                            perspective ? fmt::format("fov {:g}", camera.fovDegrees)
-                                        : fmt::format("height {:g}", camera.height),
-                            camera.eye[0], camera.eye[1], camera.eye[2], camera.lookAt[0], camera.lookAt[1],
-                            camera.lookAt[2]);
+    for (std::size_t i = 0; i < atlas.cameras.size(); ++i) {
+        const NamedCamera& camera = atlas.cameras[i];
+        text += fmt::format("{}  {}{}  eye {:g},{:g},{:g}  look-at {:g},{:g},{:g}", nameOf(camera),
+                            viewName(camera.kind), extentOf(camera), camera.eye[0], camera.eye[1],
+                            camera.eye[2], camera.lookAt[0], camera.lookAt[1], camera.lookAt[2]);
+        if (const auto frames = framesOf(i, atlas.cameraKeys))
+            text += fmt::format("  frames {:g}-{:g}", (*frames)[0], (*frames)[1]);
+        text += "\n";
     }
     return text;
 }
 
-nlohmann::json camerasToJson(std::span<const NamedCamera> cameras) {
+nlohmann::json camerasToJson(const Atlas& atlas) {
     nlohmann::json list = nlohmann::json::array();
-    for (const NamedCamera& camera : cameras) {
+    for (std::size_t i = 0; i < atlas.cameras.size(); ++i) {
+        const NamedCamera& camera = atlas.cameras[i];
         nlohmann::json& entry = list.emplace_back(nlohmann::json{{"name", nameOf(camera)},
                                                                  {"projection", viewName(camera.kind)},
                                                                  {"eye", camera.eye},
@@ -90,8 +108,8 @@ nlohmann::json camerasToJson(std::span<const NamedCamera> cameras) {
             entry.update({{"fovDegrees", camera.fovDegrees},
                           {"lensRadius", camera.lensRadius},
                           {"focusDistance", camera.focusDistance}});
-        else
-            entry["height"] = camera.height;
+        if (camera.kind == kCameraOrthographic) entry["height"] = camera.height;
+        if (const auto frames = framesOf(i, atlas.cameraKeys)) entry["frames"] = *frames;
     }
     return {{"cameras", list}};
 }
@@ -103,9 +121,8 @@ void printDevices(const TraceOptions& options) {
 
 void printCameras(const TraceOptions& options) {
     const AtlasFile file = readAtlas(options.scenePath);
-    const std::span<const NamedCamera> cameras = file.atlas.cameras;
-    if (cameras.empty()) logInfo(options.scenePath + ": has no cameras");
-    print(options, cameraList(cameras), camerasToJson(cameras));
+    if (file.atlas.cameras.empty()) logInfo(options.scenePath + ": has no cameras");
+    print(options, cameraList(file.atlas), camerasToJson(file.atlas));
 }
 
 } // namespace rt

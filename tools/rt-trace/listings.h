@@ -1,5 +1,5 @@
 #pragma once
-#include "formats/mesh.h"
+#include "formats/atlas.h"
 #include "tools/rt-trace/gl_context.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,8 +13,8 @@ struct TraceOptions;
 /// What --list-devices and --list-cameras print, and what --json holds then.
 std::string deviceList(std::span<const GlDevice> devices);
 nlohmann::json devicesToJson(std::span<const GlDevice> devices);
-std::string cameraList(std::span<const NamedCamera> cameras);
-nlohmann::json camerasToJson(std::span<const NamedCamera> cameras);
+std::string cameraList(const Atlas& atlas);
+nlohmann::json camerasToJson(const Atlas& atlas);
 
 void printDevices(const TraceOptions& options);
 void printCameras(const TraceOptions& options);

@@ -19,14 +19,13 @@ bool writes(const TraceOptions& options, ImageFileType type) {
 bool hasSamples(const CLI::App& app, const TraceOptions& options) {
     return options.samples > 1 || app.get_option("--spp")->count() > 0;
 }
-bool hasEnvironment(const CLI::App&, const TraceOptions& options) {
-    return !options.environment.empty();
-}
 bool showsBackground(const CLI::App&, const TraceOptions& options) {
     return options.environment.empty();
 }
 bool hasAmbient(const CLI::App&, const TraceOptions& options) {
-    return options.ambient != glm::vec3(0.0f) || options.occlusion == 0.0;
+    return options.ambient.value_or(glm::vec3(options.environment.empty() ? 1.0f : 0.0f)) !=
+               glm::vec3(0.0f) ||
+           options.occlusion == 0.0;
 }
 bool isMapped(const CLI::App&, const TraceOptions& options) {
     return writes(options, ImageFileType::Png) && options.heat == Heat::None;
@@ -44,7 +43,7 @@ bool hasChannels(const CLI::App&, const TraceOptions& options) {
     return options.outputPaths.empty() || writes(options, ImageFileType::Exr);
 }
 
-// Those of the camera are in checkCamera(): some depend on what the scene says of it.
+// Those that depend on the scene are elsewhere: checkCamera(), setUpPicture().
 struct EffectRule {
     const char* option;
     bool (*hasEffect)(const CLI::App&, const TraceOptions&);
@@ -53,8 +52,6 @@ struct EffectRule {
 constexpr EffectRule kRules[] = {
     {"--filter", hasSamples, "more samples than one; add --spp N"},
     {"--filter-radius", hasSamples, "more samples than one; add --spp N"},
-    {"--environment-turn", hasEnvironment, "--environment"},
-    {"--environment-strength", hasEnvironment, "--environment"},
     {"--background", showsBackground,
      "a picture without --environment, which is what is seen behind the scene"},
     {"--occlusion", hasAmbient, "light from everywhere; add --ambient"},

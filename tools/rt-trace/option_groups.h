@@ -23,7 +23,7 @@ void convertCamera(const CameraTexts& texts, TraceOptions& options);
 struct LightTexts {
     std::vector<std::string> lights;
     std::string ambient;
-    std::string background = "0.32,0.4,0.5";
+    std::string background;
 };
 void addLightOptions(CLI::App& app, TraceOptions& options, LightTexts& texts);
 void convertLight(const LightTexts& texts, TraceOptions& options);

@@ -35,12 +35,12 @@ struct TraceOptions {
     glm::uvec4 window{0, 0, 512, 512}; ///< [xy, zw): all of it, or --crop
     CameraRequest camera;
     std::vector<LightRequest> lights;
-    glm::vec3 ambient{0.0f};
-    double occlusion = 0.0; ///< world units; 0: ambient light is not hidden
-    glm::vec3 background{0.0f};
-    std::string environment;      ///< a file, G or R,G,B; empty: none
-    double environmentTurn = 0.0; ///< degrees about +y
-    double environmentStrength = 1.0;
+    std::optional<glm::vec3> ambient;      ///< else 0.1, or none with an environment
+    double occlusion = 0.0;                ///< world units; 0: ambient light is not hidden
+    std::optional<glm::vec3> background;   ///< else the scene's, or a blue grey
+    std::string environment;               ///< a file, G or R,G,B; empty: the scene's, if it has one
+    std::optional<double> environmentTurn; ///< degrees about +y; else the scene's
+    std::optional<double> environmentStrength;
     unsigned maxDepth = 4;
     bool reproducible = false;
 

@@ -14,13 +14,16 @@ namespace {
 }
 
 void checkFrames(const TraceOptions& options) {
-    if (options.frames.has_value() != !options.cameraPath.empty())
-        throwUsage("--frames and --camera-path go together");
-    if (!options.frames) return;
     const CameraRequest& camera = options.camera;
-    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees || !camera.name.empty())
-        throwUsage(
-            "--camera, --eye, --look-at, --up and --fov do not go with --camera-path, which says that");
+    const bool hasPath = !options.cameraPath.empty();
+    if (hasPath && (!options.frames || !camera.name.empty()))
+        throwUsage(options.frames ? "--camera and --camera-path do not go together: each is a path"
+                                  : "--frames and --camera-path go together");
+    if (!options.frames) return;
+    if (!hasPath && camera.name.empty())
+        throwUsage("--frames needs --camera-path, or --camera and a scene in which that camera has a path");
+    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees)
+        throwUsage("--eye, --look-at, --up and --fov do not go with --frames: the camera's path says that");
     if (!options.checkpointPath.empty() || !options.resumePath.empty())
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
 }
@@ -33,8 +36,7 @@ void checkNames(const TraceOptions& options) {
             throwUsage(
                 fmt::format("-o {}: with --frames a name needs a %d or %04d where the number goes", path));
         if (!options.frames && numbered)
-            throwUsage(fmt::format(
-                "-o {}: %d stands for the number of a frame; add --frames and --camera-path", path));
+            throwUsage(fmt::format("-o {}: %d stands for the number of a frame; add --frames", path));
     }
 }
 
@@ -48,8 +50,9 @@ void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts
 }
 
 void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOptions& options) {
-    for (const double number : {options.environmentTurn, options.environmentStrength, options.exposureStops,
-                                options.occlusion, options.timeLimitSeconds, options.targetError})
+    for (const double number :
+         {options.environmentTurn.value_or(0.0), options.environmentStrength.value_or(1.0),
+          options.exposureStops, options.occlusion, options.timeLimitSeconds, options.targetError})
         if (!std::isfinite(number)) throwUsage("'nan' and 'inf' are no numbers for an option");
     convertCamera(texts.camera, options);
     convertLight(texts.light, options);

@@ -45,9 +45,9 @@ void reportCommon(nlohmann::json& report, const GpuScene& scene, const StageTime
     report["peakMemoryBytes"] = peakMemoryBytes();
 }
 
-void reportSections(nlohmann::json& report, const GpuScene& scene) {
+void reportSections(nlohmann::json& report, const GpuScene& scene, bool ownEnvironment) {
     report["sections"] = nlohmann::json::array();
-    for (const SectionUse& use : sectionUses(scene.file.atlas, scene.plan))
+    for (const SectionUse& use : sectionUses(scene.file.atlas, scene.plan, ownEnvironment))
         report["sections"].push_back({{"name", use.name}, {"bytes", use.bytes}, {"uploaded", use.uploaded}});
 }
 

@@ -15,7 +15,7 @@ struct GpuScene;
 void reportCommon(nlohmann::json& report, const GpuScene& scene, const StageTimer& stages);
 
 /// Adds the parts of the atlas that were uploaded or not.
-void reportSections(nlohmann::json& report, const GpuScene& scene);
+void reportSections(nlohmann::json& report, const GpuScene& scene, bool ownEnvironment);
 
 /// Adds raysTotal, stepsPerRay, testsPerRay and mraysPerSecond, of work that took `gpuMs`.
 void reportWork(nlohmann::json& report, const WorkTotals& work, double gpuMs);

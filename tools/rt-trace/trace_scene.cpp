@@ -38,8 +38,9 @@ void checkPath(const TraceOptions& options, const std::vector<CameraKey>& path) 
     for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) try {
             placeCamera(cameraAt(path, frame, options.camera), {glm::dvec3(-1.0), glm::dvec3(1.0)}, 1.0);
         } catch (const Error& error) {
+            const std::string& source = options.cameraPath.empty() ? options.scenePath : options.cameraPath;
             throw Error(ErrorKind::InvalidContent,
-                        fmt::format("{}: frame {}: {}", options.cameraPath, frame, error.what()));
+                        fmt::format("{}: frame {}: {}", source, frame, error.what()));
         }
 }
 
@@ -62,7 +63,9 @@ std::optional<GpuEnvironment> uploadEnvironment(const TraceOptions& options, con
                                                 const GpuScene& scene) {
     if (setup.environment.pixels.empty()) return std::nullopt;
     std::optional<GpuEnvironment> environment;
-    environment.emplace(setup.environment, scene.context->limits(), options.environment);
+    const bool isOwn = options.environment.empty();
+    environment.emplace(setup.environment, scene.context->limits(),
+                        isOwn ? options.scenePath + "'s environment" : options.environment);
     environment->bind();
     return environment;
 }
@@ -89,7 +92,7 @@ void report(const TraceOptions& options, const GpuScene& scene, const StageTimer
     if (options.common.jsonPath.empty()) return;
     nlohmann::json report = figures;
     reportCommon(report, scene, stages);
-    reportSections(report, scene);
+    reportSections(report, scene, options.environment.empty());
     writeJson(options.common.jsonPath, report);
 }
 
@@ -99,13 +102,16 @@ void traceScene(const TraceOptions& given) {
     StageTimer stages;
     TraceOptions options = given;
     std::vector<CameraKey> path;
-    if (options.frames) {
-        path = readCameraPath(options.cameraPath);
+    const auto startPath = [&](std::vector<CameraKey> keys) {
+        path = std::move(keys);
         checkPath(options, path);
         options.camera = cameraAt(path, options.frames->first, options.camera);
-    }
+    };
+    if (options.frames && !options.cameraPath.empty()) startPath(readCameraPath(options.cameraPath));
     PictureSetup setup;
     const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
+        if (options.frames && path.empty())
+            startPath(pathOfCamera(options.camera.name, atlas.cameras, atlas.cameraKeys));
         setup = setUpPicture(options, atlas);
         const PictureNeeds needs = needsOf(options, setup);
         requireClock(needs, limits);
@@ -115,7 +121,7 @@ void traceScene(const TraceOptions& given) {
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
     if (options.explain && options.common.jsonPath != "-")
-        writeFile("-", explanation(scene.file.atlas, scene.plan));
+        writeFile("-", explanation(scene.file.atlas, scene.plan, options.environment.empty()));
     if (options.outputPaths.empty()) return report(options, scene, stages, {});
     const std::optional<GpuEnvironment> environment = uploadEnvironment(options, setup, scene);
     nlohmann::json figures;

@@ -1,0 +1,499 @@
+// Scene files: what they place, change and add, and what is wrong with them.
+#include "common/error.h"
+#include "formats/image_exr.h"
+#include "tests/unit/import_files.h"
+#include "tools/rt-import/scene_description.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace rt {
+namespace {
+
+using test::fourColourImage;
+using test::gltfTriangle;
+using test::ModelFiles;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+void expectNear(const glm::dvec3& a, const glm::dvec3& b) {
+    EXPECT_LT(glm::distance(a, b), 1e-6) << a.x << " " << a.y << " " << a.z;
+}
+glm::dvec3 vectorOf(const double (&v)[3]) {
+    return {v[0], v[1], v[2]};
+}
+
+class SceneFiles : public testing::Test, public ModelFiles {
+protected:
+    // (1,0,0), (2,0,0), (1,3,0) in a material "stone"
+    void SetUp() override {
+        write("t.obj", "mtllib t.mtl\nv 1 0 0\nv 2 0 0\nv 1 3 0\nusemtl stone\nf 1 2 3\n");
+        write("t.mtl", "newmtl stone\nKd 0.5 0.25 0.125\nillum 2\n");
+    }
+    ImportedModel importInputs(const std::vector<std::string>& names) const {
+        SceneSources sources;
+        for (const std::string& name : names) sources.inputs.push_back(path(name));
+        StageTimer timer;
+        return importScene(sources, {}, timer);
+    }
+    // Of s.scene.json.
+    ImportedModel importText(const std::string& json) const {
+        write("s.scene.json", json);
+        return importInputs({"s.scene.json"});
+    }
+    std::vector<glm::vec3> positions(const std::string& json) const {
+        const Mesh mesh = importText(json).mesh;
+        return {mesh.positions.begin(), mesh.positions.end()};
+    }
+    Material material(const std::string& override) const {
+        return importText(R"({"models": [{"file": "t.obj", "materials": [{"match": "stone", )" + override +
+                          "}]}]}")
+            .mesh.materials[0];
+    }
+    std::string refusal(const std::string& json, ErrorKind kind = ErrorKind::InvalidContent) const {
+        try {
+            importText(json);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), kind) << error.what();
+            const std::string message = error.what(), file = path("s.scene.json: ");
+            return message.starts_with(file) ? message.substr(file.size()) : message;
+        }
+        return "nothing was refused: " + json;
+    }
+    std::string refusalWith(const std::string& more) const {
+        return refusal(R"({"models": [{"file": "t.obj"}], )" + more + "}");
+    }
+};
+
+TEST_F(SceneFiles, AModelIsScaledThenTurnedThenMoved) {
+    const auto p = positions(R"({"models": [{"file": "t.obj", "transform":
+        {"translate": [10, 0, 0], "rotate": [0, 0, 90], "scale": [2, 1, 1]}}]})");
+    ASSERT_EQ(p.size(), 3u);
+    expectNear(p[0], {10, 2, 0});
+    expectNear(p[1], {10, 4, 0});
+    expectNear(p[2], {7, 2, 0});
+}
+
+TEST_F(SceneFiles, AnglesTurnAboutXThenYThenZ) {
+    const auto p = positions(R"({"models": [{"file": "t.obj", "transform": {"rotate": [90, 90, 0]}}]})");
+    expectNear(p[2], {3, 0, -1}); // (1,3,0) -> (1,0,3) -> (3,0,-1)
+    const auto q = positions(R"({"models": [{"file": "t.obj", "transform":
+        {"rotate": {"axis": [0, 0, -5], "degrees": 90}}}]})");
+    expectNear(q[2], {3, -1, 0});
+}
+
+TEST_F(SceneFiles, AMatrixStandsColumnByColumn) {
+    const auto p = positions(R"({"models": [{"file": "t.obj", "transform":
+        {"matrix": [0,1,0,0, -1,0,0,0, 0,0,1,0, 5,6,7,1]}}]})");
+    expectNear(p[1], {5, 8, 7});
+    expectNear(p[2], {2, 7, 7});
+}
+
+TEST_F(SceneFiles, InstancesMoveWhatTheTransformMade) {
+    const ImportedModel model = importText(R"({"models": [{"file": "t.obj", "transform": {"scale": 2},
+        "instances": [{"translate": [0, 0, 1]}, {"scale": [-1, 1, 1]}]}]})");
+    ASSERT_EQ(model.mesh.triangles.size(), 2u);
+    EXPECT_EQ(model.mesh.materials.size(), 1u);
+    const auto corner = [&](int triangle, int k) {
+        return model.mesh.positions[model.mesh.triangles[std::size_t(triangle)][k]];
+    };
+    expectNear(corner(0, 0), {2, 0, 1});
+    expectNear(corner(1, 0), {-2, 0, 0});
+    expectNear(corner(1, 1), {-2, 6, 0}); // a mirror turns the corners round
+}
+
+TEST_F(SceneFiles, UnitsAndAxesOfAModelBecomeTheScenes) {
+    expectNear(positions(R"({"models": [{"file": "t.obj", "units": "cm", "upAxis": "z"}]})")[2],
+               {0.01, 0, -0.03});
+    expectNear(positions(R"({"units": "cm", "models": [{"file": "t.obj", "units": "in"}]})")[1],
+               {5.08, 0, 0});
+    expectNear(positions(R"({"units": "mm", "models": [{"file": "t.obj"}]})")[1], {2, 0, 0});
+    // The transform counts in the scene's axes, of which z is up; the result has +y up.
+    expectNear(
+        positions(
+            R"({"upAxis": "z", "models": [{"file": "t.obj", "transform": {"translate": [0, 0, 9]}}]})")[0],
+        {1, 9, 0});
+    expectNear(positions(R"({"upAxis": "x", "models": [{"file": "t.obj"}]})")[1], {0, 2, 0});
+}
+
+TEST_F(SceneFiles, GltfIsInMetresAndYIsUp) {
+    write("t.gltf", gltfTriangle(*this, {0, 0, 1}, R"({"mesh":0})"));
+    expectNear(positions(R"({"units": "cm", "models": [{"file": "t.gltf"}]})")[1], {100, 0, 0});
+    const auto p = positions(
+        R"({"upAxis": "z", "models": [{"file": "t.gltf", "transform": {"translate": [0, 0, 1]}}]})");
+    expectNear(p[2], {0, 2, 0});
+}
+
+TEST_F(SceneFiles, SceneFilesMayNameSceneFiles) {
+    write("sub/inner.scene.json", R"({"units": "cm", "upAxis": "z",
+        "models": [{"file": "t.obj", "materials": [{"match": "*", "metallic": 0.5}]}],
+        "lights": [{"kind": "point", "position": [0, 0, 100], "intensity": 1}],
+        "cameras": [{"name": "c", "eye": [0, 0, 100], "lookAt": [100, 0, 100]}]})");
+    write("sub/t.obj", "v 0 0 0\nv 100 0 0\nv 0 0 100\nf 1 2 3\n");
+    const ImportedModel model = importText(R"({"models": [{"file": "sub/inner.scene.json",
+        "materials": [{"match": "*", "roughness": 0.25}],
+        "instances": [{}, {"translate": [0, 5, 0]}]}]})");
+    ASSERT_EQ(model.mesh.triangles.size(), 2u);
+    expectNear(model.mesh.positions[2], {0, 1, 0});
+    EXPECT_EQ(model.mesh.materials[0].reflection.x, 0.5f);
+    EXPECT_EQ(model.mesh.materials[0].reflection.y, 0.25f)
+        << "what stands outside counts after what is inside";
+    ASSERT_EQ(model.mesh.lights.size(), 2u);
+    expectNear(glm::vec3(model.mesh.lights[1].position), {0, 6, 0});
+    EXPECT_NEAR(model.mesh.lights[0].intensity.x, 1e-4f, 1e-9f) << "a light of a smaller scene is dimmer";
+    ASSERT_EQ(model.mesh.cameras.size(), 2u);
+    EXPECT_STREQ(model.mesh.cameras[1].name, "c.1");
+    expectNear(vectorOf(model.mesh.cameras[1].eye), {0, 6, 0});
+    expectNear(vectorOf(model.mesh.cameras[0].up), {0, 0.01, 0});
+    EXPECT_THAT(model.filesRead, testing::Contains(path("sub/inner.scene.json")));
+}
+
+TEST_F(SceneFiles, SceneFilesThatNameEachOtherEnd) {
+    EXPECT_THAT(refusal(R"({"models": [{"file": "s.scene.json"}]})"), HasSubstr("is named by 8 scene files"));
+    const std::string twice = R"({"models": [{"file": "t.obj", "instances": [)" + [] {
+        std::string many = "{}";
+        for (int i = 1; i < 2000; ++i) many += ",{}";
+        return many;
+    }() + "]}]}";
+    write("many.scene.json", twice);
+    std::string more = twice;
+    more.replace(more.find("t.obj"), 5, "many.scene.json");
+    EXPECT_THAT(refusal(more, ErrorKind::LimitExceeded), HasSubstr("more than 1048576"));
+}
+
+TEST_F(SceneFiles, OverridesChangeWhatTheyName) {
+    const Material gold = material(R"("baseColor": [1, 0.75, 0.25], "metallic": 1, "roughness": 0.5)");
+    EXPECT_EQ(gold.baseColor, glm::vec4(1, 0.75f, 0.25f, 1));
+    EXPECT_EQ(gold.reflection, glm::vec4(1, 0.5f, 1, 0));
+    const Material glass = material(R"("transmission": 1, "roughness": 0, "attenuationColor": [0.5, 1, 0.75],
+        "attenuationDistance": 2)");
+    EXPECT_EQ(glass.baseColor, glm::vec4(0.5f, 0.25f, 0.125f, 1)) << "the rest stays";
+    EXPECT_EQ(glass.transmission, glm::vec4(1, 1.5f, 2, 0));
+    EXPECT_EQ(glass.attenuation, glm::vec4(0.5f, 1, 0.75f, 1));
+    EXPECT_EQ(glass.reflection.z, 1.0f);
+    const Material told =
+        material(R"("transmission": 0.5, "ior": 1.25, "specular": 0.25, "mirror": 0.125, "thin": true)");
+    EXPECT_EQ(told.transmission.y, 1.25f);
+    EXPECT_EQ(told.reflection.z, 0.25f);
+    EXPECT_EQ(told.reflection.w, 0.125f);
+    EXPECT_EQ(told.more.y, kMaterialThin);
+    const Material lamp = material(R"("emission": 12, "opacity": 0.5, "opacityCutoff": 0.25)");
+    EXPECT_EQ(lamp.emission, glm::vec4(12, 12, 12, 0));
+    EXPECT_EQ(lamp.baseColor.w, 0.5f);
+    EXPECT_EQ(lamp.transmission.w, 0.25f);
+    EXPECT_EQ(lamp.more.y, kMaterialClear);
+    EXPECT_EQ(lamp.reflection.z, 0.0f) << "it is not made to reflect";
+    const Material sign = material(R"("unlit": true, "metallic": 1)");
+    EXPECT_EQ(sign.more.y, kMaterialUnlit);
+    EXPECT_EQ(sign.reflection, glm::vec4(0, 1, 0, 0));
+}
+
+TEST_F(SceneFiles, LaterAndMoreParticularOverridesCount) {
+    const Material m = importText(R"({"materials": [{"match": "*", "roughness": 0.9, "metallic": 0.5}],
+        "models": [{"file": "t.obj", "materials": [{"match": "st*", "roughness": 0.5},
+                                                   {"match": "s?one", "roughness": 0.25}]}]})")
+                           .mesh.materials[0];
+    EXPECT_EQ(m.reflection.x, 0.5f);
+    EXPECT_EQ(m.reflection.y, 0.25f);
+}
+
+TEST_F(SceneFiles, AnOverrideOfNothingIsAWarning) {
+    const ImportedModel model =
+        importText(R"({"materials": [{"match": "Stone", "roughness": 0}], "models": [{"file": "t.obj"}]})");
+    EXPECT_THAT(model.report.warnings,
+                ElementsAre(HasSubstr("s.scene.json: /materials/0: no material is called 'Stone'")));
+    EXPECT_EQ(model.mesh.materials[0].reflection.y, 1.0f);
+}
+
+TEST_F(SceneFiles, OverridesGiveAndTakeTextures) {
+    write("pictures/four.ppm", fourColourImage());
+    write("t.mtl", "newmtl stone\nmap_Kd gone.ppm\n");
+    const ImportedModel with = importText(R"({"models": [{"file": "t.obj",
+        "materials": [{"match": "stone", "baseColorTexture": "Pictures/FOUR.ppm"}]}]})");
+    ASSERT_EQ(with.mesh.images.size(), 1u);
+    EXPECT_EQ(with.mesh.materials[0].images.x, 0u);
+    EXPECT_THAT(with.report.warnings, IsEmpty()) << "the one that is gone is not asked for";
+    EXPECT_THAT(with.filesRead, testing::Contains(path("pictures/four.ppm")));
+    const ImportedModel without = importText(R"({"models": [{"file": "t.obj",
+        "materials": [{"match": "stone", "baseColorTexture": null}]}]})");
+    EXPECT_EQ(without.mesh.images.size(), 0u);
+    EXPECT_THAT(without.report.warnings, IsEmpty());
+}
+
+TEST_F(SceneFiles, PatternsMatchAllOfAName) {
+    for (const auto& [pattern, name] : {std::pair("", ""),
+                                        {"*", ""},
+                                        {"a*c", "abbc"},
+                                        {"a*c", "ac"},
+                                        {"*b*", "abc"},
+                                        {"?", "x"},
+                                        {"a*b*c", "a-b-b-c"},
+                                        {"**", "x"},
+                                        {"*.001", "wood.001"}})
+        EXPECT_TRUE(matches(pattern, name)) << pattern << " " << name;
+    for (const auto& [pattern, name] :
+         {std::pair("", "a"), {"a", "A"}, {"a*c", "abcd"}, {"?", ""}, {"*b", "abc"}})
+        EXPECT_FALSE(matches(pattern, name)) << pattern << " " << name;
+    EXPECT_FALSE(matches(std::string(2000, '*') + "b", std::string(20000, 'a'))) << "in no time";
+}
+
+TEST_F(SceneFiles, LightsOfAllKinds) {
+    const auto lights = importText(R"({"models": [{"file": "t.obj"}], "lights": [
+        {"kind": "point", "position": [1, 2, 3], "intensity": [4, 5, 6]},
+        {"kind": "directional", "direction": [0, -2, 0], "intensity": 3},
+        {"kind": "spot", "position": [0, 4, 0], "lookAt": [0, 0, 0], "outerAngle": 60, "innerAngle": 30, "intensity": 1},
+        {"kind": "rectangle", "position": [0, 4, 0], "direction": [0, -1, 0], "width": 2, "height": 6, "intensity": 7},
+        {"kind": "sphere", "position": [0, 0, 9], "radius": 0.5, "intensity": 8}]})")
+                            .mesh.lights;
+    ASSERT_EQ(lights.size(), 5u);
+    for (std::uint32_t i = 0; i < 5; ++i) EXPECT_EQ(lights[i].kind.x, i) << "in the order of their constants";
+    EXPECT_EQ(lights[0].position, glm::vec4(1, 2, 3, 0));
+    EXPECT_EQ(lights[0].intensity, glm::vec4(4, 5, 6, 0));
+    EXPECT_EQ(glm::vec3(lights[1].direction), glm::vec3(0, -1, 0));
+    EXPECT_EQ(glm::vec3(lights[2].direction), glm::vec3(0, -1, 0));
+    EXPECT_NEAR(lights[2].direction.w, 0.5f, 1e-6f);
+    EXPECT_NEAR(lights[2].edgeU.w, std::cos(30.0 * kDegree), 1e-6);
+    EXPECT_NEAR(glm::length(glm::vec3(lights[3].edgeU)), 1.0f, 1e-6f);
+    EXPECT_NEAR(glm::length(glm::vec3(lights[3].edgeV)), 3.0f, 1e-6f);
+    expectNear(glm::vec3(lights[3].direction), {0, -1, 0});
+    EXPECT_EQ(lights[4].position, glm::vec4(0, 0, 9, 0.5f));
+    EXPECT_EQ(lights[4].intensity, glm::vec4(8, 8, 8, 0));
+}
+
+TEST_F(SceneFiles, CamerasOfAllKindsAndTheirPaths) {
+    const Mesh mesh = importText(R"({"models": [{"file": "t.obj"}], "cameras": [
+        {"name": "near", "eye": [0, 0, 4], "lookAt": [0, 0, 0], "fov": 30, "lensRadius": 0.25},
+        {"name": "plan", "kind": "orthographic", "eye": [0, 9, 0], "lookAt": [0, 0, 0], "up": [0, 0, -2], "height": 3},
+        {"name": "round", "kind": "panorama", "eye": [0, 1, 0], "lookAt": [1, 1, 0]},
+        {"name": "tour", "fov": 50, "path": [{"frame": 9, "eye": [2, 0, 4], "lookAt": [0, 0, 0], "fov": 20},
+                                             {"frame": 1, "eye": [1, 0, 4], "lookAt": [0, 0, 0]}]}]})")
+                          .mesh;
+    ASSERT_EQ(mesh.cameras.size(), 4u);
+    EXPECT_EQ(mesh.cameras[0].fovDegrees, 30.0);
+    EXPECT_EQ(mesh.cameras[0].lensRadius, 0.25);
+    EXPECT_EQ(mesh.cameras[0].focusDistance, 4.0) << "what is looked at is in focus";
+    EXPECT_EQ(mesh.cameras[1].kind, kCameraOrthographic);
+    EXPECT_EQ(mesh.cameras[1].height, 3.0);
+    expectNear(vectorOf(mesh.cameras[1].up), {0, 0, -1});
+    EXPECT_EQ(mesh.cameras[2].kind, kCameraPanorama);
+    EXPECT_STREQ(mesh.cameras[3].name, "tour");
+    expectNear(vectorOf(mesh.cameras[3].eye), {1, 0, 4});
+    ASSERT_EQ(mesh.cameraKeys.size(), 2u);
+    EXPECT_EQ(mesh.cameraKeys[0].frame, 1.0);
+    EXPECT_EQ(mesh.cameraKeys[0].fovDegrees, 50.0);
+    EXPECT_EQ(mesh.cameraKeys[1].fovDegrees, 20.0);
+    EXPECT_EQ(mesh.cameraKeys[1].camera, 3u);
+    expectNear(mesh.cameraKeys[1].eye, {2, 0, 4});
+}
+
+TEST_F(SceneFiles, AModelsOwnLightsAndCamerasMoveWithIt) {
+    const std::string extra =
+        R"(,"extensionsUsed":["KHR_lights_punctual"],"cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":0.1}}],
+        "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point","intensity":8}]}})";
+    std::string gltf =
+        gltfTriangle(*this, {0, 0, 1},
+                     R"({"mesh":0,"children":[1]},{"name":"lamp","camera":0,"translation":[1,2,3],
+            "extensions":{"KHR_lights_punctual":{"light":0}}})",
+                     "{}", extra);
+    write("m.gltf", gltf);
+    const std::string instances = R"("instances": [{"scale": 2}, {"translate": [0, 0, 10]}])";
+    const Mesh mesh = importText(R"({"models": [{"file": "m.gltf", )" + instances + "}]}").mesh;
+    ASSERT_EQ(mesh.lights.size(), 2u);
+    EXPECT_EQ(mesh.lights[0].position, glm::vec4(2, 4, 6, 0));
+    EXPECT_EQ(mesh.lights[0].intensity.x, 32.0f);
+    EXPECT_EQ(mesh.lights[1].position, glm::vec4(1, 2, 13, 0));
+    ASSERT_EQ(mesh.cameras.size(), 2u);
+    EXPECT_STREQ(mesh.cameras[1].name, "lamp.1");
+    expectNear(vectorOf(mesh.cameras[0].eye), {2, 4, 6});
+    const Mesh bare = importText(R"({"models": [{"file": "m.gltf", "lights": false, "cameras": false, )" +
+                                 instances + "}]}")
+                          .mesh;
+    EXPECT_TRUE(bare.lights.empty());
+    EXPECT_TRUE(bare.cameras.empty());
+}
+
+TEST_F(SceneFiles, LightsThatATransformTakesOutOfRangeAreLeftOut) {
+    write("m.gltf",
+          gltfTriangle(*this, {0, 0, 1}, R"({"mesh":0,"extensions":{"KHR_lights_punctual":{"light":0}}})",
+                       "{}", R"(,"extensionsUsed":["KHR_lights_punctual"],"extensions":{
+        "KHR_lights_punctual":{"lights":[{"type":"point","intensity":1e20}]}})"));
+    const ImportedModel model =
+        importText(R"({"models": [{"file": "m.gltf", "transform": {"scale": 1e10}}]})");
+    EXPECT_TRUE(model.mesh.lights.empty());
+    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("1 lights are out of range")));
+}
+
+TEST_F(SceneFiles, SurroundingsComeAlong) {
+    Image sky;
+    sky.width = 2;
+    sky.height = 1;
+    for (const char* name : {"B", "G", "R"})
+        sky.channels.push_back({name, ImageChannel::Type::Float, {0.5f, 1000.0f}, {}});
+    writeImage(path("sky.exr"), sky);
+    const Mesh mesh = importText(R"({"models": [{"file": "t.obj"}], "background": [1, 2, 3],
+        "environment": {"file": "sky.exr", "strength": 1.5, "turn": -450}})")
+                          .mesh;
+    ASSERT_EQ(mesh.surroundings.size(), 1u);
+    const Surroundings& around = mesh.surroundings[0];
+    EXPECT_EQ(around.hasBackground, 1u);
+    EXPECT_EQ(around.background[2], 3.0f);
+    EXPECT_EQ(around.strength, 1.5f);
+    EXPECT_EQ(around.turnDegrees, -90.0f);
+    EXPECT_EQ(around.width, 2u);
+    EXPECT_THAT(std::vector(mesh.environment.begin(), mesh.environment.end()),
+                ElementsAre(glm::vec3(0.5f), glm::vec3(1000.0f)));
+    const Mesh even =
+        importText(R"({"models": [{"file": "t.obj"}], "environment": {"color": [1, 0.5, 0]}})").mesh;
+    EXPECT_EQ(even.surroundings[0].hasBackground, 0u);
+    EXPECT_EQ(even.environment[0], glm::vec3(1, 0.5f, 0));
+    EXPECT_TRUE(importText(R"({"models": [{"file": "t.obj"}]})").mesh.surroundings.empty());
+}
+
+TEST_F(SceneFiles, SeveralInputsAreMergedInOrder) {
+    write("four.ppm", fourColourImage());
+    write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nvn 0 0 -1\nusemtl a\n"
+                   "f 1/1/1 2/2/1 3/3/1\n");
+    write("a.mtl", "newmtl a\nmap_Kd four.ppm\n");
+    write("b.obj", "mtllib b.mtl\nv 5 0 0\nv 6 0 0\nv 5 1 0\nvt 1 1\nusemtl b\nf 1/1 2/1 3/1\n");
+    write("copy.ppm", fourColourImage());
+    write("b.mtl", "newmtl b\nmap_Kd copy.ppm\n");
+    write("c.stl", "solid c\nfacet normal 0 0 0\nouter loop\nvertex 8 0 0\nvertex 9 0 0\nvertex 8 1 "
+                   "0\nendloop\nendfacet\n"
+                   "endsolid c\n");
+    write("s.scene.json", R"({"units": "mm", "models": [{"file": "t.obj"}],
+        "cameras": [{"name": "c", "eye": [0, 0, 1], "lookAt": [0, 0, 0]}, {"name": "c", "eye": [0, 0, 2], "lookAt": [0, 0, 0]}]})");
+    const Mesh mesh = importInputs({"c.stl", "a.obj", "s.scene.json", "b.obj"}).mesh;
+    ASSERT_EQ(mesh.triangles.size(), 4u);
+    EXPECT_THAT(std::vector(mesh.triangleMaterial.begin(), mesh.triangleMaterial.end()),
+                ElementsAre(0, 1, 2, 3));
+    const auto first = [&](std::size_t t) { return mesh.triangles[t].x; };
+    EXPECT_EQ(mesh.positions[first(0)], glm::vec3(8, 0, 0));
+    EXPECT_EQ(mesh.positions[first(2)], glm::vec3(1, 0, 0))
+        << "other inputs count in the unit of the scene file";
+    EXPECT_EQ(mesh.normals[first(0)], glm::vec3(0, 0, 1)) << "generated";
+    EXPECT_EQ(mesh.normals[first(1)], glm::vec3(0, 0, -1)) << "the file's own";
+    EXPECT_EQ(mesh.texcoords[first(0)], glm::vec2(0, 0));
+    EXPECT_EQ(mesh.texcoords[mesh.triangles[1].y], glm::vec2(1, 0));
+    EXPECT_EQ(mesh.texcoords[first(3)], glm::vec2(1, 1));
+    EXPECT_EQ(mesh.materials[0].images.x, kNoImage);
+    EXPECT_EQ(mesh.materials[1].images.x, mesh.materials[3].images.x) << "two files with the same picture";
+    EXPECT_EQ(mesh.images.size(), 1u);
+    EXPECT_EQ(mesh.pixels.size(), 4u);
+    EXPECT_STREQ(mesh.cameras[1].name, "c.1");
+}
+
+TEST_F(SceneFiles, WarningsNameTheModelWhereThereAreSeveral) {
+    write("t.mtl", "newmtl stone\nmap_Kd gone.ppm\n");
+    EXPECT_THAT(importInputs({"t.obj"}).report.warnings,
+                ElementsAre(testing::StartsWith("material 'stone'")));
+    write("u.obj", "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl stone\nf 1 2 3\n");
+    EXPECT_THAT(importInputs({"t.obj", "u.obj"}).report.warnings,
+                ElementsAre(testing::StartsWith(path("t.obj") + ": material 'stone'"),
+                            testing::StartsWith(path("u.obj") + ": material 'stone'")));
+}
+
+TEST_F(SceneFiles, AModelWithoutTrianglesIsNoErrorBesideOthers) {
+    write("p.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
+    EXPECT_EQ(importInputs({"p.obj", "t.obj", "p.obj"}).mesh.triangles.size(), 1u);
+    EXPECT_THAT(refusal(R"({"models": [{"file": "p.obj"}]})"), HasSubstr("has no triangles"));
+    EXPECT_THAT(refusal(R"({"models": []})"), HasSubstr("has no triangles"));
+}
+
+TEST_F(SceneFiles, TogetherTheyHaveToFitIntoFloats) {
+    write("far.obj", "v 3e38 0 0\nv 3.1e38 0 0\nv 3e38 1e37 0\nf 1 2 3\n");
+    EXPECT_THAT(
+        refusal(R"({"models": [{"file": "far.obj"}, {"file": "far.obj", "transform": {"scale": -1}}]})"),
+        HasSubstr("overflows 32 bits"));
+}
+
+TEST_F(SceneFiles, ErrorsNameTheirPlace) {
+    const auto model = [&](const std::string& more) {
+        return refusal(R"({"models": [{"file": "t.obj", )" + more + "}]}");
+    };
+    EXPECT_THAT(refusal("{"), HasSubstr("is no JSON"));
+    EXPECT_EQ(refusal("[]"),
+              "/: is no object {$schema, units, upAxis, models, materials, lights, cameras, environment, "
+              "background}");
+    EXPECT_THAT(refusal(R"({"model": []})"), HasSubstr("/: 'model' is none of "));
+    EXPECT_EQ(refusal(R"({"models": {}})"), "/models: is no array");
+    EXPECT_EQ(refusal(R"({"models": [{}]})"), "/models/0: file is missing");
+    EXPECT_EQ(refusal(R"({"models": [{"file": 3}]})"), "/models/0/file: is no text");
+    EXPECT_THAT(refusal(R"({"models": [{"file": "u.obj"}]})", ErrorKind::FileAccess),
+                HasSubstr("/models/0/file: 'u.obj' was not found"));
+    EXPECT_EQ(model(R"("transform": {"translat": [0, 0, 0]})"),
+              "/models/0/transform: 'translat' is none of matrix, translate, rotate, scale");
+    EXPECT_EQ(model(R"("transform": {"scale": 0})"),
+              "/models/0/transform: flattens or overflows what it moves");
+    EXPECT_EQ(model(R"("transform": {"matrix": [1]})"), "/models/0/transform/matrix: is no array of 16");
+    EXPECT_THAT(model(R"("transform": {"matrix": [1,0,0,0,0,1,0,0,0,0,1,5,0,0,0,1]})"),
+                HasSubstr("last row"));
+    EXPECT_THAT(model(R"("transform": {"matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1], "scale": 2})"),
+                HasSubstr("'scale' is none of matrix"));
+    EXPECT_EQ(model(R"("instances": [{}, {"rotate": 90}])"),
+              "/models/0/instances/1/rotate: is no object {axis, degrees}");
+    EXPECT_THAT(model(R"("instances": [])"), HasSubstr("/models/0/instances: is empty"));
+    EXPECT_THAT(model(R"("units": "yard")"), HasSubstr("/models/0/units: is none of m, cm"));
+    EXPECT_THAT(model(R"("units": -1)"), HasSubstr("/models/0/units: -1 is not above 0"));
+    EXPECT_THAT(model(R"("upAxis": "w")"), HasSubstr("/models/0/upAxis: is none of x, y, z"));
+    EXPECT_THAT(model(R"("materials": [{"roughness": 1}])"),
+                HasSubstr("/models/0/materials/0: match is missing"));
+    EXPECT_THAT(model(R"("materials": [{"match": "*", "ior": 0.5}])"),
+                HasSubstr("/models/0/materials/0/ior: 0.5 is not between 1 and 100"));
+    EXPECT_THAT(model(R"("materials": [{"match": "*", "baseColor": [0, 2, 0]}])"),
+                HasSubstr("/baseColor/1: 2 is not"));
+    EXPECT_THAT(model(R"("materials": [{"match": "*", "rough": 1}])"),
+                HasSubstr("'rough' is none of match, "));
+    EXPECT_THAT(refusalWith(R"("lights": [{"kind": "lamp", "intensity": 1}])"),
+                HasSubstr("/lights/0/kind: is none of"));
+    EXPECT_THAT(
+        refusalWith(R"("lights": [{"kind": "point", "intensity": 1, "position": [0, 0, 0], "radius": 1}])"),
+        HasSubstr("/lights/0: 'radius' is none of"));
+    EXPECT_THAT(refusalWith(R"("lights": [{"kind": "point", "position": [0, 0, 0]}])"),
+                HasSubstr("/lights/0: intensity is missing"));
+    EXPECT_THAT(refusalWith(R"("lights": [{"kind": "spot", "intensity": 1, "position": [0, 0, 0]}])"),
+                HasSubstr("/lights/0: needs either direction or lookAt"));
+    EXPECT_THAT(
+        refusalWith(
+            R"("lights": [{"kind": "spot", "intensity": 1, "position": [0, 0, 0], "lookAt": [0, 0, 0]}])"),
+        HasSubstr("is where the light stands"));
+    EXPECT_THAT(
+        refusalWith(
+            R"("lights": [{"kind": "spot", "intensity": 1, "position": [0, 0, 0], "direction": [0, 0, 1],
+                                 "outerAngle": 20, "innerAngle": 30}])"),
+        HasSubstr("/innerAngle: 30 is not between 0 and 20"));
+    EXPECT_THAT(
+        refusalWith(R"("lights": [{"kind": "sphere", "intensity": 1, "position": [0, 0, 0], "radius": 0}])"),
+        HasSubstr("/radius: 0 is not above 0"));
+    EXPECT_THAT(refusalWith(R"("lights": [{"kind": "point", "intensity": 1, "position": [1e300, 0, 0]}])"),
+                HasSubstr("too large or too small"));
+    EXPECT_THAT(refusalWith(R"("cameras": [{"name": "c", "eye": [0, 0, 0], "lookAt": [0, 0, 0]}])"),
+                HasSubstr("/cameras/0: eye and lookAt are the same"));
+    EXPECT_THAT(refusalWith(R"("cameras": [{"name": "c", "eye": [0, 1, 0], "lookAt": [0, 0, 0]}])"),
+                HasSubstr("/cameras/0: up is 0 or parallel"));
+    EXPECT_THAT(refusalWith(R"("cameras": [{"name": ")" + std::string(64, 'x') +
+                            R"(", "eye": [0, 0, 1], "lookAt": [0, 0, 0]}])"),
+                HasSubstr("/cameras/0/name: has 64 bytes"));
+    EXPECT_THAT(
+        refusalWith(R"("cameras": [{"name": "c", "eye": [0, 0, 1], "lookAt": [0, 0, 0], "fov": 180}])"),
+        HasSubstr("/fov: 180 is not between 0 and 180 degrees"));
+    EXPECT_THAT(
+        refusalWith(
+            R"("cameras": [{"name": "c", "kind": "panorama", "eye": [0, 0, 1], "lookAt": [0, 0, 0], "fov": 9}])"),
+        HasSubstr("/cameras/0: 'fov' is none of"));
+    EXPECT_THAT(refusalWith(R"("cameras": [{"name": "c", "path": []}])"),
+                HasSubstr("/cameras/0/path: is no JSON array"));
+    EXPECT_THAT(refusalWith(R"("environment": {})"), HasSubstr("/environment: needs either file or color"));
+    EXPECT_THAT(refusalWith(R"("environment": {"file": "t.obj"})"),
+                HasSubstr("ends neither in .exr nor in .hdr"));
+    EXPECT_THAT(refusalWith(R"("background": -1)"), HasSubstr("/background: -1 is below 0"));
+    write("inner.scene.json", R"({"models": [{"file": "t.obj"}]})");
+    EXPECT_THAT(refusal(R"({"models": [{"file": "inner.scene.json", "units": "m"}]})"),
+                HasSubstr("/models/0: units and upAxis are for models"));
+}
+
+} // namespace
+} // namespace rt

@@ -1,0 +1,126 @@
+#include "tools/rt-import/sandbox.h"
+
+#include "common/error.h"
+#include "common/log.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <memory>
+#include <sched.h>
+#include <seccomp.h>
+
+namespace rt {
+namespace {
+
+// What reading, computing, allocating, threads and the end of a program take.
+constexpr std::array kAllowedCalls{SCMP_SYS(read),
+                                   SCMP_SYS(readv),
+                                   SCMP_SYS(pread64),
+                                   SCMP_SYS(write),
+                                   SCMP_SYS(writev),
+                                   SCMP_SYS(close),
+                                   SCMP_SYS(lseek),
+                                   SCMP_SYS(fstat),
+                                   SCMP_SYS(stat),
+                                   SCMP_SYS(lstat),
+                                   SCMP_SYS(newfstatat),
+                                   SCMP_SYS(statx),
+                                   SCMP_SYS(fstatfs),
+                                   SCMP_SYS(access),
+                                   SCMP_SYS(faccessat),
+                                   SCMP_SYS(faccessat2),
+                                   SCMP_SYS(readlink),
+                                   SCMP_SYS(readlinkat),
+                                   SCMP_SYS(getcwd),
+                                   SCMP_SYS(getdents64),
+                                   SCMP_SYS(fcntl),
+                                   SCMP_SYS(ioctl),
+                                   SCMP_SYS(fadvise64),
+                                   SCMP_SYS(mmap),
+                                   SCMP_SYS(munmap),
+                                   SCMP_SYS(mremap),
+                                   SCMP_SYS(mprotect),
+                                   SCMP_SYS(madvise),
+                                   SCMP_SYS(brk),
+                                   SCMP_SYS(futex),
+                                   SCMP_SYS(set_robust_list),
+                                   SCMP_SYS(rseq),
+                                   SCMP_SYS(sched_yield),
+                                   SCMP_SYS(sched_getaffinity),
+                                   SCMP_SYS(nanosleep),
+                                   SCMP_SYS(clock_nanosleep),
+                                   SCMP_SYS(clock_gettime),
+                                   SCMP_SYS(clock_getres),
+                                   SCMP_SYS(gettimeofday),
+                                   SCMP_SYS(time),
+                                   SCMP_SYS(rt_sigaction),
+                                   SCMP_SYS(rt_sigprocmask),
+                                   SCMP_SYS(rt_sigreturn),
+                                   SCMP_SYS(sigaltstack),
+                                   SCMP_SYS(getpid),
+                                   SCMP_SYS(getppid),
+                                   SCMP_SYS(gettid),
+                                   SCMP_SYS(tgkill),
+                                   SCMP_SYS(getuid),
+                                   SCMP_SYS(geteuid),
+                                   SCMP_SYS(getgid),
+                                   SCMP_SYS(getegid),
+                                   SCMP_SYS(getrandom),
+                                   SCMP_SYS(getrusage),
+                                   SCMP_SYS(sysinfo),
+                                   SCMP_SYS(uname),
+                                   SCMP_SYS(restart_syscall),
+                                   SCMP_SYS(exit),
+                                   SCMP_SYS(exit_group)};
+
+constexpr scmp_datum_t kWritingFlags = O_ACCMODE | O_CREAT | O_TRUNC | O_APPEND;
+
+class Filter {
+public:
+    Filter() : context_(seccomp_init(SCMP_ACT_KILL_PROCESS), &seccomp_release) {
+        if (!context_) fail(-ENOMEM);
+    }
+
+    template <class... Conditions>
+    void add(std::uint32_t action, int call, Conditions... conditions) {
+        fail(seccomp_rule_add(context_.get(), action, call, sizeof...(conditions), conditions...));
+    }
+    /// 0, or what keeps the kernel from it, negative.
+    int load() { return seccomp_load(context_.get()); }
+
+private:
+    static void fail(int status) {
+        if (status != 0)
+            throw Error(ErrorKind::Internal, fmt::format("the sandbox for the loader cannot be built: {}",
+                                                         std::strerror(-status)));
+    }
+
+    std::unique_ptr<void, decltype(&seccomp_release)> context_;
+};
+
+} // namespace
+
+void enterSandbox() {
+    Filter filter;
+    for (const int call : kAllowedCalls) filter.add(SCMP_ACT_ALLOW, call);
+    filter.add(SCMP_ACT_ALLOW, SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
+    filter.add(SCMP_ACT_ALLOW, SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));
+    for (const scmp_datum_t flag : {O_WRONLY, O_RDWR, O_CREAT, O_TRUNC, O_APPEND}) {
+        filter.add(SCMP_ACT_ERRNO(EACCES), SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, flag, flag));
+        filter.add(SCMP_ACT_ERRNO(EACCES), SCMP_SYS(open), SCMP_A1(SCMP_CMP_MASKED_EQ, flag, flag));
+    }
+    // A filter cannot see clone3's flags; told that there is none, the C library calls clone.
+    filter.add(SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3));
+    filter.add(SCMP_ACT_ALLOW, SCMP_SYS(clone), SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_THREAD, CLONE_THREAD));
+    // Limits may be asked for, not set.
+    filter.add(SCMP_ACT_ALLOW, SCMP_SYS(prlimit64), SCMP_A2(SCMP_CMP_EQ, 0));
+    if (const int status = filter.load(); status != 0)
+        logWarning(fmt::format("the loader runs without a sandbox, for this kernel has none: {}",
+                               std::strerror(-status)));
+}
+
+} // namespace rt
