@@ -31,6 +31,9 @@ AtlasSizes sizesOf(const Atlas& atlas) {
     sizes.materials = atlas.materials.size();
     sizes.lights = atlas.lights.size();
     sizes.cameras = atlas.cameras.size();
+    sizes.cameraKeys = atlas.cameraKeys.size();
+    sizes.surroundings = atlas.surroundings.size();
+    sizes.environment = atlas.environment.size();
     sizes.images = atlas.images.size();
     sizes.pages = {atlas.info.pageWidth, atlas.info.pageHeight, atlas.info.pageCount};
     return sizes;
@@ -52,7 +55,10 @@ std::vector<SectionSize> sectionsOf(const AtlasSizes& sizes) {
         {"LITE", sizes.lights * sizeof(Light), GpuObject::None},
         {"CAMS", sizes.cameras * sizeof(NamedCamera), GpuObject::None},
         {"IMGS", sizes.images * sizeof(ImagePlace), GpuObject::Buffer},
-        {"TEXP", product(sizes.pages) * sizeof(std::uint32_t), GpuObject::TextureArray, sizes.pages}};
+        {"TEXP", product(sizes.pages) * sizeof(std::uint32_t), GpuObject::TextureArray, sizes.pages},
+        {"PATH", sizes.cameraKeys * sizeof(CameraKey), GpuObject::None},
+        {"SURR", sizes.surroundings * sizeof(Surroundings), GpuObject::None},
+        {"ENVP", sizes.environment * sizeof(glm::vec3), GpuObject::None}};
     std::erase_if(sections, [](const SectionSize& section) { return section.bytes == 0; });
     return sections;
 }

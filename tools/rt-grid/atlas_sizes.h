@@ -17,6 +17,9 @@ struct AtlasSizes {
     std::uint64_t materials = 0;
     std::uint64_t lights = 0;
     std::uint64_t cameras = 0;
+    std::uint64_t cameraKeys = 0;
+    std::uint64_t surroundings = 0;
+    std::uint64_t environment = 0; ///< pixels
     std::uint64_t images = 0;
     glm::uvec3 pages{0u}; ///< texels of a texture page across and down, and how many pages
 };

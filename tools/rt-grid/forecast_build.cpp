@@ -33,6 +33,9 @@ void setSizes(const MeshFile& meshFile, const GridStages& stages, BuildForecast&
     sizes.materials = mesh.materials.size();
     sizes.lights = mesh.lights.size();
     sizes.cameras = mesh.cameras.size();
+    sizes.cameraKeys = mesh.cameraKeys.size();
+    sizes.surroundings = mesh.surroundings.size();
+    sizes.environment = mesh.environment.size();
     sizes.images = stages.pages.places.size();
     sizes.pages = {stages.pages.width, stages.pages.height, stages.pages.pageCount};
 }

@@ -22,7 +22,8 @@ std::uint64_t gridVoxels(const BuildForecast& forecast) {
 std::uint64_t fileBytesOf(const Mesh& mesh) {
     return mesh.positions.size_bytes() + mesh.normals.size_bytes() + mesh.texcoords.size_bytes() +
            mesh.triangles.size_bytes() + mesh.triangleMaterial.size_bytes() + mesh.materials.size_bytes() +
-           mesh.lights.size_bytes() + mesh.cameras.size_bytes() + mesh.images.size_bytes() +
+           mesh.lights.size_bytes() + mesh.cameras.size_bytes() + mesh.cameraKeys.size_bytes() +
+           mesh.surroundings.size_bytes() + mesh.environment.size_bytes() + mesh.images.size_bytes() +
            mesh.pixels.size_bytes();
 }
 

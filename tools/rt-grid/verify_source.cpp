@@ -113,6 +113,12 @@ Faults verifySource(const Atlas& atlas, const MeshFile& meshFile, WorkMeter& met
                 [&](const Material& a, const Material& b) { return isSameMaterial(a, b, hasImages); }));
     faults.append(compare(meter, "light", atlas.lights, mesh.lights, sameBytes<Light>));
     faults.append(compare(meter, "camera", atlas.cameras, mesh.cameras, sameBytes<NamedCamera>));
+    faults.append(
+        compare(meter, "frame of a camera's path", atlas.cameraKeys, mesh.cameraKeys, sameBytes<CameraKey>));
+    faults.append(
+        compare(meter, "background", atlas.surroundings, mesh.surroundings, sameBytes<Surroundings>));
+    faults.append(compare(meter, "pixel of the environment", atlas.environment, mesh.environment,
+                          sameBytes<glm::vec3>));
     return faults;
 }
 
