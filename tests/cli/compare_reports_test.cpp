@@ -123,7 +123,8 @@ TEST_F(CompareReports, WrongUsageIsNamed) {
                      "map.jpg: error maps are written as .exr or .png");
     expectUsageError({"test.exr", "reference.exr", "--heat", "abs"}, "-o");
     expectUsageError({"test.exr", "reference.exr", "-o", "map.png", "--heat", "psnr"}, "--heat: 'psnr'");
-    expectUsageError({"test.exr", "reference.exr", "--metrics", "vmaf"}, "--metrics: 'vmaf'");
+    expectUsageError({"test.exr", "reference.exr", "--metrics", "vmaf"},
+                     "--metrics: vmaf not in {flip,ssim,ms-ssim}");
     expectUsageError({"test.exr", "reference.exr", "--exposures", "3,1"}, "--exposures");
     expectUsageError({"test.exr", "reference.exr", "--exposures", "0,1,1000"}, "--exposures");
     expectUsageError({"test.exr", "reference.exr", "--max-flip", "2"}, "--max-flip");

@@ -161,7 +161,7 @@ TEST(Perception, NotesPicturesThatAreTooSmallForASimilarity) {
     EXPECT_THAT(compared.comparison.notes,
                 testing::Contains(HasSubstr("no SSIM of a picture of less than 11 x 11")));
     EXPECT_THAT(compared.comparison.notes, testing::Contains(HasSubstr("no MS-SSIM")));
-    options.limits.push_back(parseLimit(Metric::Ssim, "0.5", "--min-ssim"));
+    options.limits.push_back(parseLimit(Metric::Ssim, "0.5"));
     EXPECT_FALSE(comparePictures(small({0, 0}, 1, 7), small({0, 0}, 1, 7), options).comparison.passed());
 }
 
@@ -204,7 +204,7 @@ TEST(HeatMap, ShowsFlipAndSsim) {
 
 TEST(JsonReport, HoldsWhatWasFound) {
     CompareOptions options = seen();
-    options.limits.push_back(parseLimit(Metric::Flip, "0.5", "--max-flip"));
+    options.limits.push_back(parseLimit(Metric::Flip, "0.5"));
     ComparedPair compared =
         comparePictures(ramp(0.1f, ValueScale::Display), ramp(0.0f, ValueScale::Display), options);
     const PairResult result = resultOf(compared);

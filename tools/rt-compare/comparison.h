@@ -131,25 +131,29 @@ enum class Metric {
     Rmse,
     RelMse,
     Smape,
+    Percentile,
+    Over,
+    Differing,
     Flip,
     Psnr,
     Ssim,
-    MsSsim,
-    Percentile,
-    Over,
-    Differing
+    MsSsim
+};
+
+/// What a figure may be at most, or of PSNR, SSIM and MS-SSIM at least.
+struct Limit {
+    Metric metric = Metric::Rmse;
+    std::string where;      ///< a layer or channel; "*": every layer; empty: every color layer
+    double parameter = 0.0; ///< Percentile: per cent; Over: threshold
+    double value = 0.0;
 };
 
 /// One limit, and what was found.
 struct LimitCheck {
-    std::string where;  ///< a layer's or channel's name
-    std::string metric; ///< "rmse", "percentile 99", "over 0.01", ...
+    Limit limit;
+    std::string where; ///< the layer's or channel's name
     double value = kNotComputed;
-    double limit = 0.0;
-    bool atLeast = false; ///< passes from the limit on (PSNR, SSIM), not up to it
-    bool passed = false;  ///< never if the value is NaN
-    Metric kind = Metric::Rmse;
-    double parameter = 0.0; ///< Percentile: per cent; Over: threshold
+    bool passed = false; ///< never if the value is NaN
 };
 
 /// The best whole-pixel shift of the reference: b(x + dx, y + dy) is like a(x, y).

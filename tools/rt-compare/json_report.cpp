@@ -161,10 +161,10 @@ void addFindings(const Comparison& comparison, Json& report) {
         findings.push_back({{"kind", finding.kind}, {"text", finding.text}, {"fails", finding.fails}});
     for (const LimitCheck& check : comparison.checks)
         checks.push_back({{"where", check.where},
-                          {"metric", check.metric},
+                          {"metric", metricName(check.limit)},
                           {"value", check.value},
-                          {"limit", check.limit},
-                          {"atLeast", check.atLeast},
+                          {"limit", check.limit.value},
+                          {"atLeast", traitsOf(check.limit.metric).isAtLeast},
                           {"passed", check.passed}});
     report["findings"] = std::move(findings);
     report["checks"] = std::move(checks);

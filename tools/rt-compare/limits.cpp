@@ -12,25 +12,10 @@
 namespace rt {
 namespace {
 
-bool hasParameter(Metric metric) {
-    return metric == Metric::Percentile || metric == Metric::Over;
-}
-
-bool isAtLeast(Metric metric) {
-    return metric == Metric::Psnr || metric == Metric::Ssim || metric == Metric::MsSsim;
-}
-
-// A fraction of pixels, or a mean of values that lie between 0 and 1.
-bool isFraction(Metric metric) {
-    return metric == Metric::Over || metric == Metric::Differing || metric == Metric::Smape ||
-           metric == Metric::Flip || metric == Metric::Ssim || metric == Metric::MsSsim;
-}
-
 bool suits(Metric metric, LayerKind kind) {
-    if (metric == Metric::Differing) return true;
-    if (metric == Metric::Flip || metric == Metric::Ssim || metric == Metric::MsSsim)
-        return kind == LayerKind::Color;
-    return kind != LayerKind::Ids;
+    const MetricOf of = traitsOf(metric).of;
+    return of == MetricOf::All ||
+           (of == MetricOf::Colors ? kind == LayerKind::Color : kind != LayerKind::Ids);
 }
 
 double overOf(const ErrorFigures& figures, double threshold) {
@@ -46,29 +31,11 @@ double percentileOf(const ErrorFigures& figures, double percent) {
 }
 
 double valueOf(const Limit& limit, const ErrorFigures& figures) {
-    switch (limit.metric) {
-    case Metric::MaxAbs:
-        return figures.maxAbs;
-    case Metric::Mae:
-        return figures.mae;
-    case Metric::Mse:
-        return figures.mse;
-    case Metric::Rmse:
-        return figures.rmse;
-    case Metric::RelMse:
-        return figures.relMse;
-    case Metric::Smape:
-        return figures.smape;
-    case Metric::Psnr:
-        return figures.psnr;
-    case Metric::Percentile:
-        return percentileOf(figures, limit.parameter);
-    case Metric::Over:
-    case Metric::Differing:
+    if (limit.metric == Metric::Percentile) return percentileOf(figures, limit.parameter);
+    if (limit.metric == Metric::Over || limit.metric == Metric::Differing)
         return overOf(figures, limit.parameter);
-    default:
-        return kNotComputed;
-    }
+    const auto figure = traitsOf(limit.metric).figure;
+    return figure ? figures.*figure : kNotComputed;
 }
 
 double valueOf(const Limit& limit, const LayerComparison& layer) {
@@ -143,10 +110,9 @@ private:
     }
 
     void check(const Limit& limit, const std::string& where, double value) {
-        const bool atLeast = isAtLeast(limit.metric);
+        const bool atLeast = traitsOf(limit.metric).isAtLeast;
         const bool passed = atLeast ? value >= limit.value : value <= limit.value; // false for NaN
-        comparison_.checks.push_back(
-            {where, metricName(limit), value, limit.value, atLeast, passed, limit.metric, limit.parameter});
+        comparison_.checks.push_back({limit, where, value, passed});
         if (passed) return;
         const char* fault = std::isnan(value) ? "could not be computed; limit"
                             : atLeast         ? "is below"
@@ -184,7 +150,9 @@ private:
 
 } // namespace
 
-Limit parseLimit(Metric metric, const std::string& text, const std::string& option) {
+Limit parseLimit(Metric metric, const std::string& text) {
+    const MetricTraits& traits = traitsOf(metric);
+    const std::string option = traits.option;
     Limit limit{metric, {}, 0.0, 0.0};
     std::string numbers = text;
     if (const std::size_t equals = text.rfind('='); equals != text.npos) {
@@ -194,10 +162,10 @@ Limit parseLimit(Metric metric, const std::string& text, const std::string& opti
             throw Error(ErrorKind::Usage, fmt::format("{}: '{}' names nothing", option, text));
     }
     std::ranges::replace(numbers, ':', ',');
-    const std::vector<double> values = parseNumbers(numbers, hasParameter(metric) ? 2 : 1, option);
+    const std::vector<double> values = parseNumbers(numbers, traits.hasParameter ? 2 : 1, option);
     limit.value = values.back();
-    if (hasParameter(metric)) limit.parameter = values.front();
-    const double highest = isFraction(metric) ? 1.0 : std::numeric_limits<double>::max();
+    if (traits.hasParameter) limit.parameter = values.front();
+    const double highest = traits.isFraction ? 1.0 : std::numeric_limits<double>::max();
     if (metric != Metric::Psnr && (limit.value < 0.0 || limit.value > highest))
         throw Error(ErrorKind::Usage, fmt::format("{}: {} is not a finite number >= 0{}", option, limit.value,
                                                   highest == 1.0 ? " and <= 1" : ""));
@@ -210,35 +178,7 @@ Limit parseLimit(Metric metric, const std::string& text, const std::string& opti
 }
 
 std::string metricName(const Limit& limit) {
-    switch (limit.metric) {
-    case Metric::MaxAbs:
-        return "maximum |a-b|";
-    case Metric::Mae:
-        return "MAE";
-    case Metric::Mse:
-        return "MSE";
-    case Metric::Rmse:
-        return "RMSE";
-    case Metric::RelMse:
-        return "relMSE";
-    case Metric::Smape:
-        return "SMAPE";
-    case Metric::Flip:
-        return "FLIP";
-    case Metric::Psnr:
-        return "PSNR";
-    case Metric::Ssim:
-        return "SSIM";
-    case Metric::MsSsim:
-        return "MS-SSIM";
-    case Metric::Percentile:
-        return fmt::format("percentile {:g} of |a-b|", limit.parameter);
-    case Metric::Over:
-        return fmt::format("fraction of pixels over {:g}", limit.parameter);
-    case Metric::Differing:
-        break;
-    }
-    return "fraction of pixels that differ";
+    return fmt::format(fmt::runtime(traitsOf(limit.metric).name), limit.parameter);
 }
 
 bool isNamed(const std::string& name, const std::string& where) {

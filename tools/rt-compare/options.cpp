@@ -15,31 +15,8 @@ namespace {
 
 using Texts = std::vector<std::string>;
 
-struct LimitOption {
-    Metric metric;
-    const char* name;
-    const char* help;
-    Texts texts = {};
-};
-
-std::vector<LimitOption> limitOptions() {
-    return {{Metric::MaxAbs, "--max-abs", "Largest |a-b| that passes"},
-            {Metric::Mae, "--max-mae", "Largest mean of |a-b| that passes"},
-            {Metric::Mse, "--max-mse", "Largest mean of (a-b)^2 that passes"},
-            {Metric::Rmse, "--max-rmse", "Largest root mean square error that passes"},
-            {Metric::RelMse, "--max-relmse", "Largest mean of (a-b)^2 / (b^2 + 0.01) that passes"},
-            {Metric::Smape, "--max-smape", "Largest mean of |a-b| / (|a| + |b| + 0.01) that passes"},
-            {Metric::Percentile, "--max-percentile", "P:X: P % of the values may differ by X at most"},
-            {Metric::Over, "--max-over", "T:F: a fraction F of the pixels may differ by more than T"},
-            {Metric::Differing, "--max-differing", "Fraction of the pixels that may differ at all"},
-            {Metric::Flip, "--max-flip", "Largest mean FLIP that passes, 0 to 1"},
-            {Metric::Psnr, "--min-psnr", "Least PSNR in dB that passes"},
-            {Metric::Ssim, "--min-ssim", "Least SSIM that passes, 1 = alike"},
-            {Metric::MsSsim, "--min-ms-ssim", "Least MS-SSIM that passes"}};
-}
-
 struct OptionTexts {
-    std::vector<LimitOption> limits = limitOptions();
+    std::array<Texts, kMetrics.size()> limits;
     Texts allowed, ignored;
     std::string crop, percentiles, thresholds, compression, nonFinite;
     ReportTexts reports;
@@ -49,8 +26,8 @@ void addLimits(CLI::App& app, OptionTexts& texts, Options& options) {
     const std::string group =
         "Limits: [NAME=]X of a layer (color, Z, albedo, ...), a channel (N.X) or all ('*'); "
         "without NAME, of every layer of colors. By default all must be equal";
-    for (LimitOption& limit : texts.limits)
-        app.add_option(limit.name, limit.texts, limit.help)
+    for (std::size_t i = 0; i < kMetrics.size(); ++i)
+        app.add_option(kMetrics[i].option, texts.limits[i], kMetrics[i].help)
             ->allow_extra_args(false)
             ->type_name("[NAME=]X")
             ->group(group);
@@ -183,9 +160,9 @@ void insertSorted(std::vector<double>& values, double value) {
 }
 
 void readLimits(const OptionTexts& texts, CompareOptions& options) {
-    for (const LimitOption& limit : texts.limits)
-        for (const std::string& text : limit.texts)
-            options.limits.push_back(parseLimit(limit.metric, text, limit.name));
+    for (std::size_t i = 0; i < kMetrics.size(); ++i)
+        for (const std::string& text : texts.limits[i])
+            options.limits.push_back(parseLimit(kMetrics[i].metric, text));
     for (const Limit& limit : options.limits) {
         if (limit.metric == Metric::Percentile) insertSorted(options.metrics.percents, limit.parameter);
         if (limit.metric == Metric::Over) insertSorted(options.metrics.thresholds, limit.parameter);

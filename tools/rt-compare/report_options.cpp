@@ -38,14 +38,18 @@ HeatFigure parseHeat(const std::string& text) {
     throw Error(ErrorKind::Usage, fmt::format("--heat: '{}' is none of flip, ssim, abs", text));
 }
 
-void askFor(const std::string& metric, PerceptionOptions& perception) {
-    bool* const wish = metric == "flip"      ? &perception.flip
-                       : metric == "ssim"    ? &perception.ssim
-                       : metric == "ms-ssim" ? &perception.msSsim
-                                             : nullptr;
-    if (!wish)
-        throw Error(ErrorKind::Usage, fmt::format("--metrics: '{}' is none of flip, ssim, ms-ssim", metric));
-    *wish = true;
+// The metrics that are only computed where they are asked for.
+std::vector<std::string> costlyMetrics() {
+    std::vector<std::string> names;
+    for (const MetricTraits& traits : kMetrics)
+        if (traits.of == MetricOf::Colors) names.push_back(traits.shortName());
+    return names;
+}
+
+void askFor(Metric metric, PerceptionOptions& perception) {
+    perception.flip |= metric == Metric::Flip;
+    perception.ssim |= metric == Metric::Ssim;
+    perception.msSsim |= metric == Metric::MsSsim;
 }
 
 } // namespace
@@ -60,8 +64,10 @@ std::vector<std::string> ReportOptions::outputs() const {
 void addReportOptions(CLI::App& app, ReportTexts& texts, ReportOptions& reports,
                       PerceptionOptions& perception) {
     const std::string seen = "What is seen of colors; takes longer than all other figures";
+    const std::vector<std::string> metrics = costlyMetrics();
     app.add_option("--metrics", texts.metrics,
-                   "Report these too: flip, ssim, ms-ssim; limits on them imply them")
+                   fmt::format("Report these too: {}; limits on them imply them", fmt::join(metrics, ", ")))
+        ->check(CLI::IsMember(metrics).description(""))
         ->delimiter(',')
         ->allow_extra_args(false)
         ->type_name("NAMES")
@@ -100,12 +106,10 @@ void addReportOptions(CLI::App& app, ReportTexts& texts, ReportOptions& reports,
 
 void readReportOptions(const ReportTexts& texts, const std::vector<Limit>& limits, ReportOptions& reports,
                        PerceptionOptions& perception) {
-    for (const std::string& metric : texts.metrics) askFor(metric, perception);
-    for (const Limit& limit : limits) {
-        perception.flip |= limit.metric == Metric::Flip;
-        perception.ssim |= limit.metric == Metric::Ssim;
-        perception.msSsim |= limit.metric == Metric::MsSsim;
-    }
+    for (const MetricTraits& traits : kMetrics)
+        if (std::ranges::find(texts.metrics, traits.shortName()) != texts.metrics.end())
+            askFor(traits.metric, perception);
+    for (const Limit& limit : limits) askFor(limit.metric, perception);
     if (!texts.exposures.empty()) perception.exposures = parseExposures(texts.exposures);
     reports.heat = parseHeat(texts.heat);
     for (const std::string& path : reports.heatPaths)

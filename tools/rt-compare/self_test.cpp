@@ -164,15 +164,16 @@ ChecksAgree checkAgain(const ComparedPair& compared, double peak) {
     const PlainFigures plain(layer, peak);
     for (const LimitCheck& check : compared.comparison.checks) {
         const std::optional<double> value =
-            check.where == layer.name ? plain.of(check.kind, check.parameter) : std::nullopt;
+            check.where == layer.name ? plain.of(check.limit.metric, check.limit.parameter) : std::nullopt;
         if (!value) {
             result.areBroken = result.areBroken || !check.passed;
             continue;
         }
         const bool isSame =
             check.value == *value || std::abs(check.value - *value) <= 1e-9 * std::abs(*value);
-        const bool passes = check.atLeast ? *value >= check.limit : *value <= check.limit;
-        const bool isOnLimit = std::abs(*value - check.limit) <= 1e-9 * check.limit;
+        const double limit = check.limit.value;
+        const bool passes = traitsOf(check.limit.metric).isAtLeast ? *value >= limit : *value <= limit;
+        const bool isOnLimit = std::abs(*value - limit) <= 1e-9 * limit;
         result.agree = result.agree && isSame && (passes == check.passed || isOnLimit);
         result.areBroken = result.areBroken || (isOnLimit ? !check.passed : !passes);
     }
@@ -191,8 +192,8 @@ std::string describe(const ComparedPair& compared) {
         if (finding.fails) text += (text.empty() ? "" : "; ") + finding.text;
     if (text.empty() && !comparison.checks.empty()) {
         const LimitCheck& check = comparison.checks.front();
-        text = fmt::format("{}: {} {:.6g} is within {:.6g}", check.where, check.metric, check.value,
-                           check.limit);
+        text = fmt::format("{}: {} {:.6g} is within {:.6g}", check.where, metricName(check.limit),
+                           check.value, check.limit.value);
     }
     if (const auto& shift = comparison.alignment; shift && shift->shifted())
         text += fmt::format("; best shift {:+}, {:+}", -shift->dx, -shift->dy);

@@ -158,9 +158,9 @@ std::string textReport(const PairResult& result, const PreparedPair* pair, bool 
     if (comparison.alignment) text += describeAlignment(*comparison.alignment);
     if (comparison.noise) text += describeNoise(*comparison.noise);
     for (const LimitCheck& check : comparison.checks)
-        text += fmt::format("limit: {}: {} {} (limit {}{:.9g}): {}\n", check.where, check.metric,
-                            number(check.value), check.atLeast ? "at least " : "", check.limit,
-                            check.passed ? "kept" : "broken");
+        text += fmt::format("limit: {}: {} {} (limit {}{:.9g}): {}\n", check.where, metricName(check.limit),
+                            number(check.value), traitsOf(check.limit.metric).isAtLeast ? "at least " : "",
+                            check.limit.value, check.passed ? "kept" : "broken");
     return text + describeVerdict(comparison, colored);
 }
 
