@@ -67,7 +67,6 @@ protected:
 };
 
 TEST_F(CompareReports, LimitsOnFlipAndSimilarityMoveTheVerdict) {
-    const std::vector<std::string> files = {"reference.exr", "reference.exr", "--json", "r.json"};
     EXPECT_EQ(compare({"reference.exr", "reference.exr", "--max-flip", "0", "--min-ssim", "1"}).exitCode, 0);
     write("near.exr", -0.2f); // no NaN in it
     EXPECT_EQ(compare({"near.exr", "reference.exr", "--max-flip", "0.5", "--min-ssim", "0.1"}).exitCode, 0);

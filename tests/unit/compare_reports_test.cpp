@@ -14,6 +14,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace rt {
 namespace {
@@ -132,12 +133,27 @@ TEST(Perception, SimilarityOfLinearPicturesIsThatOfToneMappedOnes) {
 
 TEST(Perception, IgnoredPixelsDoNotCount) {
     CompareOptions options = seen();
-    options.focus.ignored = {{0, 0, 32, 20}};
+    options.focus.ignored = {{0, 0, 32, 11}}; // the upper half of the disturbed square
     const ComparedPair compared =
         comparePictures(ramp(0.3f, ValueScale::Display), ramp(0.0f, ValueScale::Display), options);
+    std::vector<float> planes[2]; // of the pictures, in which those pixels are black
+    for (int i = 0; i < 2; ++i) {
+        planes[i] = ramp(i == 0 ? 0.3f : 0.0f, ValueScale::Display).parts[0].image.find("R")->values;
+        std::fill_n(planes[i].begin(), 32 * 11, 0.0f);
+    }
+    const auto colorsOf = [](const std::vector<float>& plane) {
+        return ColorPlanes{32, 24, {plane, plane, plane}, ColorPlanes::Encoding::Srgb};
+    };
+    const std::vector<float> flip = flipLdr(colorsOf(planes[1]), colorsOf(planes[0]));
+    const double sum = std::accumulate(flip.begin() + 32 * 11, flip.end(), 0.0);
+    std::vector<std::uint8_t> ignored(32 * 24);
+    std::fill_n(ignored.begin(), 32 * 11, std::uint8_t(1));
     const LayerComparison& layer = compared.comparison.layers.at(0);
-    EXPECT_EQ(layer.flip->max, 0.0); // the disturbed square is masked
-    EXPECT_EQ(layer.ssim, 1.0);
+    EXPECT_GT(sum, 1.0);
+    EXPECT_NEAR(layer.flip->mean, sum / (32 * 13), 1e-9);
+    EXPECT_EQ(compared.maps.at(0).flip[32 * 10 + 10], 0.0f);
+    EXPECT_LT(layer.ssim.value(), 0.99);
+    EXPECT_NEAR(layer.ssim.value(), ssim({32, 24, planes[0], planes[1], ignored}).value(), 1e-9);
 }
 
 TEST(Perception, SeesLayersAndGreyPictures) {
@@ -280,18 +296,27 @@ TEST(HtmlReport, LoadsNothingAndKeepsNamesOutOfItsMarkup) {
     EXPECT_THAT(page, HasSubstr("<title>rt-compare: fail: &lt;/script&gt;"));
 }
 
-TEST(HtmlReport, IsSmallerForLargePictures) {
-    std::vector<float> black(4096 * 1024), dotted(black);
-    dotted[777 * 4096 + 3001] = 1.0f;
-    const std::string page = pageOf("a.exr", pictureOf(4096, 1024, {floats("Z", dotted)}),
-                                    pictureOf(4096, 1024, {floats("Z", black)}));
+nlohmann::json dataOf(const std::string& page) {
     const std::string start = "<script type=\"application/json\" id=\"data\">";
     const std::size_t from = page.find(start) + start.size();
-    const nlohmann::json data = nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+    return nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+}
+
+TEST(HtmlReport, IsSmallerForLargePictures) {
+    const std::vector<float> black(4096 * 1024);
+    const auto dataWithDotAt = [&](std::size_t pixel) {
+        std::vector<float> dotted(black);
+        dotted[pixel] = 1.0f;
+        return dataOf(pageOf("a.exr", pictureOf(4096, 1024, {floats("Z", dotted)}),
+                             pictureOf(4096, 1024, {floats("Z", black)})));
+    };
+    const nlohmann::json data = dataWithDotAt(777 * 4096 + 3001);
     EXPECT_EQ(data.at("step"), 2);
     EXPECT_EQ(data.at("width"), 2048);
     EXPECT_EQ(data.at("height"), 512);
-    EXPECT_GT(data.at("layers").at(0).at("heat").get<std::string>().size(), 100u);
+    const auto heatOf = [](const nlohmann::json& page) { return page.at("layers").at(0).at("heat"); };
+    EXPECT_EQ(heatOf(dataWithDotAt(776 * 4096 + 3000)), heatOf(data)); // of the same four pixels
+    EXPECT_NE(heatOf(dataWithDotAt(777 * 4096 + 3002)), heatOf(data));
 }
 
 } // namespace
