@@ -247,16 +247,19 @@ TEST(JsonReport, OfSeveralPairsTellsTheWorstVerdict) {
     const PairResult missing{"a.exr", "", {}, "a.exr: is only among the first images", 1};
     const PairResult broken{"a.exr", "b.exr", {}, "b.exr: is not a picture", 4};
     nlohmann::json pairs = nlohmann::json::array({jsonReport(missing, nullptr)});
-    EXPECT_EQ(jsonFile(pairs).at("verdict"), "fail");
-    EXPECT_EQ(jsonFile(pairs).at("schemaVersion"), 2);
+    Totals totals;
+    EXPECT_EQ(jsonFile(nlohmann::json::array(), totals).at("verdict"), "pass");
+    totals.add(missing.verdict());
+    EXPECT_EQ(jsonFile(pairs, totals).at("verdict"), "fail");
+    EXPECT_EQ(jsonFile(pairs, totals).at("schemaVersion"), 2);
     EXPECT_TRUE(pairs[0].at("b").at("file").is_null());
     pairs.push_back(jsonReport(broken, nullptr));
-    const nlohmann::json file = jsonFile(pairs);
+    totals.add(broken.verdict());
+    const nlohmann::json file = jsonFile(pairs, totals);
     EXPECT_EQ(file.at("verdict"), "error");
     EXPECT_EQ(file.at("failing"), 1);
     EXPECT_EQ(file.at("unreadable"), 1);
     EXPECT_EQ(file.at("pairs").at(1).at("problem"), "b.exr: is not a picture");
-    EXPECT_EQ(jsonFile(nlohmann::json::array()).at("verdict"), "pass");
 }
 
 TEST(JunitReport, CountsAndEscapes) {
@@ -265,8 +268,11 @@ TEST(JunitReport, CountsAndEscapes) {
     ComparedPair equal = comparePictures(small({0, 0}, 1, 7), small({0, 0}, 1, 7), {});
     const PairResult passing = resultOf(equal);
     const PairResult broken{"a.exr", "b.exr", {}, "b.exr: is not a picture", 4};
+    Totals totals;
+    for (const PairResult* result : {&differing, &passing, &broken}) totals.add(result->verdict());
     const std::string xml = junitReport({jsonReport(differing, &compared.pair),
-                                         jsonReport(passing, &equal.pair), jsonReport(broken, nullptr)});
+                                         jsonReport(passing, &equal.pair), jsonReport(broken, nullptr)},
+                                        totals);
     EXPECT_THAT(xml, HasSubstr("tests=\"3\" failures=\"1\" errors=\"1\""));
     EXPECT_THAT(xml, HasSubstr("name=\"&lt;&amp;&quot;&gt; \xef\xbf\xbd.exr against b.exr\""));
     EXPECT_THAT(

@@ -1,11 +1,8 @@
 #include "tools/rt-compare/json_report.h"
 
-#include "common/error.h"
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace rt {
@@ -151,10 +148,6 @@ Json describePlaces(const std::vector<NonFinitePlace>& places) {
     return result;
 }
 
-const char* verdictOf(int exitCode) {
-    return exitCode == 0 ? "pass" : exitCode == kExitImagesDiffer ? "fail" : "error";
-}
-
 void addFindings(const Comparison& comparison, Json& report) {
     Json findings = Json::array(), checks = Json::array();
     for (const Finding& finding : comparison.findings)
@@ -180,13 +173,13 @@ Json jsonReport(const PairResult& result, const PreparedPair* pair) {
         return {{"a", fileOf(result.nameA)},
                 {"b", fileOf(result.nameB)},
                 {"exitCode", result.exitCode},
-                {"verdict", verdictOf(result.exitCode)},
+                {"verdict", verdictName(result.verdict())},
                 {"problem", result.problem}};
     const Comparison& comparison = *result.comparison;
     Json report{{"a", describePicture(result.nameA, pair->a, comparison.nonFiniteA)},
                 {"b", describePicture(result.nameB, pair->b, comparison.nonFiniteB)},
                 {"exitCode", result.exitCode},
-                {"verdict", verdictOf(result.exitCode)},
+                {"verdict", verdictName(result.verdict())},
                 {"box", boxOf(comparison.box)},
                 {"ignoredPixels", comparison.ignored},
                 {"nonFiniteDiffering", comparison.nonFiniteDiffering},
@@ -206,17 +199,11 @@ Json jsonReport(const PairResult& result, const PreparedPair* pair) {
     return report;
 }
 
-Json jsonFile(Json pairs) {
-    const auto countOf = [&](const char* verdict) {
-        return std::ranges::count_if(pairs, [&](const Json& pair) { return pair.at("verdict") == verdict; });
-    };
-    const auto failing = countOf("fail"), unreadable = countOf("error");
+Json jsonFile(Json pairs, const Totals& totals) {
     return {{"schemaVersion", 2},
-            {"verdict", unreadable > 0 ? "error"
-                        : failing > 0  ? "fail"
-                                       : "pass"},
-            {"failing", failing},
-            {"unreadable", unreadable},
+            {"verdict", verdictName(totals.verdict())},
+            {"failing", totals.failing},
+            {"unreadable", totals.unreadable},
             {"pairs", std::move(pairs)}};
 }
 

@@ -9,6 +9,6 @@ namespace rt {
 nlohmann::json jsonReport(const PairResult& result, const PreparedPair* pair);
 
 /// The whole file: `pairs` are what jsonReport() gave.
-nlohmann::json jsonFile(nlohmann::json pairs);
+nlohmann::json jsonFile(nlohmann::json pairs, const Totals& totals);
 
 } // namespace rt

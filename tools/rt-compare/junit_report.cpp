@@ -48,8 +48,9 @@ std::string fileOf(const nlohmann::json& picture) {
 std::string testCase(const nlohmann::json& pair) {
     const std::string head = fmt::format("  <testcase classname=\"rt-compare\" name=\"{} against {}\"",
                                          fileOf(pair.at("a")), fileOf(pair.at("b")));
-    if (pair.at("verdict") == "pass") return head + "/>\n";
-    const char* const kind = pair.at("verdict") == "fail" ? "failure" : "error";
+    const auto& verdict = pair.at("verdict");
+    if (verdict == verdictName(Verdict::Pass)) return head + "/>\n";
+    const char* const kind = verdict == verdictName(Verdict::Fail) ? "failure" : "error";
     const std::vector<std::string> problems = problemsOf(pair);
     return fmt::format("{}>\n    <{} message=\"{}\">{}</{}>\n  </testcase>\n", head, kind,
                        problems.empty() ? "" : problems.front(), fmt::join(problems, "\n"), kind);
@@ -57,18 +58,13 @@ std::string testCase(const nlohmann::json& pair) {
 
 } // namespace
 
-std::string junitReport(const nlohmann::json& pairs) {
+std::string junitReport(const nlohmann::json& pairs, const Totals& totals) {
     std::string cases;
-    std::size_t failures = 0, errors = 0;
-    for (const nlohmann::json& pair : pairs) {
-        cases += testCase(pair);
-        failures += pair.at("verdict") == "fail" ? 1u : 0u;
-        errors += pair.at("verdict") == "error" ? 1u : 0u;
-    }
+    for (const nlohmann::json& pair : pairs) cases += testCase(pair);
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
         "<testsuite name=\"rt-compare\" tests=\"{}\" failures=\"{}\" errors=\"{}\">\n{}</testsuite>\n",
-        pairs.size(), failures, errors, cases);
+        totals.pairs, totals.failing, totals.unreadable, cases);
 }
 
 } // namespace rt

@@ -37,7 +37,7 @@ void writeMaps(const ReportOptions& reports, const PreparedPair& pair,
 ReportFiles::ReportFiles(const Options& options, std::size_t pairCount)
     : options_(options), printsText_(!options.common.quiet && options.common.jsonPath != "-" &&
                                      options.reports.junitPath != "-" && options.reports.htmlPath != "-"),
-      pairCount_(pairCount), pairs_(std::make_unique<nlohmann::json>(nlohmann::json::array())) {
+      pairs_(std::make_unique<nlohmann::json>(nlohmann::json::array())) {
     if (pairCount > 1 && options.reports.showsPixels())
         throw Error(ErrorKind::Usage, "-o and --html show one pair of images; compare the two files alone");
 }
@@ -46,8 +46,7 @@ ReportFiles::~ReportFiles() = default;
 
 void ReportFiles::add(const PairResult& result, const PreparedPair* pair) {
     const ReportOptions& reports = options_.reports;
-    differing_ += result.exitCode == kExitImagesDiffer ? 1u : 0u;
-    unreadable_ += result.exitCode > kExitImagesDiffer ? 1u : 0u;
+    totals_.add(result.verdict());
     if (printsText_) writeFile("-", textReport(result, pair, showsColors()));
     if (options_.common.jsonPath.empty() && reports.junitPath.empty() && reports.htmlPath.empty() &&
         reports.heatPaths.empty())
@@ -60,9 +59,11 @@ void ReportFiles::add(const PairResult& result, const PreparedPair* pair) {
 }
 
 void ReportFiles::finish() {
-    if (printsText_ && pairCount_ > 1) writeFile("-", textSummary(pairCount_, differing_, unreadable_));
-    if (!options_.reports.junitPath.empty()) writeFile(options_.reports.junitPath, junitReport(*pairs_));
-    if (!options_.common.jsonPath.empty()) writeJson(options_.common.jsonPath, jsonFile(std::move(*pairs_)));
+    if (printsText_ && totals_.pairs > 1) writeFile("-", textSummary(totals_));
+    if (!options_.reports.junitPath.empty())
+        writeFile(options_.reports.junitPath, junitReport(*pairs_, totals_));
+    if (!options_.common.jsonPath.empty())
+        writeJson(options_.common.jsonPath, jsonFile(std::move(*pairs_), totals_));
 }
 
 } // namespace rt

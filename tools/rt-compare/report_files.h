@@ -22,7 +22,7 @@ public:
 private:
     const Options& options_;
     bool printsText_;
-    std::size_t pairCount_, differing_ = 0, unreadable_ = 0;
+    Totals totals_;
     std::unique_ptr<nlohmann::json> pairs_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "tools/rt-compare/file_pairs.h"
 #include "tools/rt-compare/options.h"
+#include "tools/rt-compare/verdict.h"
 
 #include <functional>
 #include <optional>
@@ -16,6 +17,8 @@ struct PairResult {
     std::string problem;                   ///< why it is absent
     int exitCode = 0;                      ///< of this pair alone
     std::vector<PerceptionMaps> maps = {}; ///< of the layers, as far as they were asked for
+
+    Verdict verdict() const { return verdictOf(exitCode); }
 };
 
 /// Is given each result in order, with the pictures where they were compared.

@@ -1,7 +1,5 @@
 #include "tools/rt-compare/text_report.h"
 
-#include "common/error.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
@@ -122,12 +120,12 @@ std::string painted(const std::string& line, const char* color, bool colored) {
     return colored ? fmt::format("\x1b[{}m{}\x1b[0m\n", color, line) : line + "\n";
 }
 
-std::string verdictLine(const char* verdict, bool colored) {
-    const bool isPass = std::string_view(verdict) == "pass";
-    return painted(fmt::format("verdict: {}", verdict), isPass ? "1;32" : "1;31", colored);
+std::string verdictLine(Verdict verdict, bool colored) {
+    return painted(fmt::format("verdict: {}", verdictName(verdict)),
+                   verdict == Verdict::Pass ? "1;32" : "1;31", colored);
 }
 
-std::string describeVerdict(const Comparison& comparison, bool colored) {
+std::string describeFindings(const Comparison& comparison, bool colored) {
     std::string text;
     for (const Finding& finding : comparison.findings)
         if (!finding.fails) text += fmt::format("allowed: {}: {}\n", finding.kind, finding.text);
@@ -135,18 +133,15 @@ std::string describeVerdict(const Comparison& comparison, bool colored) {
     for (const Finding& finding : comparison.findings)
         if (finding.fails)
             text += painted(fmt::format("fails: {}: {}", finding.kind, finding.text), "31", colored);
-    return text + verdictLine(comparison.passed() ? "pass" : "fail", colored);
+    return text;
 }
 
 } // namespace
 
 std::string textReport(const PairResult& result, const PreparedPair* pair, bool colored) {
     if (!result.comparison)
-        return painted("fails: " + result.problem, "31", colored && result.exitCode != 0) +
-               verdictLine(result.exitCode == 0                   ? "pass"
-                           : result.exitCode == kExitImagesDiffer ? "fail"
-                                                                  : "none",
-                           colored);
+        return painted("fails: " + result.problem, "31", colored && result.verdict() != Verdict::Pass) +
+               verdictLine(result.verdict(), colored);
     const Comparison& comparison = *result.comparison;
     std::string text = describePicture("a", pair->a, comparison.nonFiniteA) +
                        describePicture("b", pair->b, comparison.nonFiniteB);
@@ -161,12 +156,12 @@ std::string textReport(const PairResult& result, const PreparedPair* pair, bool 
         text += fmt::format("limit: {}: {} {} (limit {}{:.9g}): {}\n", check.where, metricName(check.limit),
                             number(check.value), traitsOf(check.limit.metric).isAtLeast ? "at least " : "",
                             check.limit.value, check.passed ? "kept" : "broken");
-    return text + describeVerdict(comparison, colored);
+    return text + describeFindings(comparison, colored) + verdictLine(result.verdict(), colored);
 }
 
-std::string textSummary(std::size_t pairs, std::size_t differing, std::size_t unreadable) {
-    return fmt::format("{} pairs: {} pass, {} differ, {} without a verdict\n", pairs,
-                       pairs - differing - unreadable, differing, unreadable);
+std::string textSummary(const Totals& totals) {
+    return fmt::format("{} pairs: {} pass, {} differ, {} without a verdict\n", totals.pairs,
+                       totals.pairs - totals.failing - totals.unreadable, totals.failing, totals.unreadable);
 }
 
 } // namespace rt

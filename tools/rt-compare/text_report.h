@@ -10,6 +10,6 @@ namespace rt {
 std::string textReport(const PairResult& result, const PreparedPair* pair, bool colored);
 
 /// The last line for several pairs.
-std::string textSummary(std::size_t pairs, std::size_t differing, std::size_t unreadable);
+std::string textSummary(const Totals& totals);
 
 } // namespace rt
