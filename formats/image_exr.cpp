@@ -193,9 +193,9 @@ Layout checkHeader(const Imf::Header& header, bool isTiled, const ReadRules& rul
     if (traits.maxRatio == 0 || (!traits.isSafe && !rules.limits.allCompressions))
         throwInvalid(name, fmt::format("compression {} is not read; save it with NONE, RLE, ZIPS or ZIP{}",
                                        compressionName(header.compression()),
-                                       rules.isPlain || traits.maxRatio == 0
+                                       rules.limits.allCompressionsOption.empty() || traits.maxRatio == 0
                                            ? ""
-                                           : ", or trust it with --allow-compression all"));
+                                           : ", or trust it with " + rules.limits.allCompressionsOption));
     Layout layout = checkWindow(header, rules.limits, name);
     layout.isTiled = isTiled;
     const ChannelTotals totals = checkChannels(header, layout, rules.isPlain, name);

@@ -56,6 +56,7 @@ struct PictureLimits {
     std::uint64_t maxValues = std::uint64_t(1) << 31; ///< of the file: pixels times channels, 4 bytes each
     bool allCompressions =
         false; ///< EXR: also PIZ, PXR24, B44, B44A, DWAA and DWAB, whose decoders had holes
+    std::string allCompressionsOption = {}; ///< how the user sets it, for messages; empty: not at all
 };
 
 /// Decodes an EXR (any parts that are flat), PNG (8 or 16 bits), JPEG, PFM or Radiance HDR picture, whichever

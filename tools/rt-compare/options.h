@@ -13,7 +13,7 @@ struct Options {
     std::string maskPath, secondPath; ///< empty: none
     bool selfTest = false;
     CompareOptions compare; ///< its mask and second render are not read yet
-    PictureLimits reading;
+    PictureLimits reading{.allCompressionsOption = "--allow-compression all"};
     ReportOptions reports;
 };
 
