@@ -114,9 +114,11 @@ Picture decodeJpeg(std::span<const std::byte> bytes, const std::string& name, co
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: has {} components; only grey and RGB are read", name,
                                 reader.info().num_components));
-    if (std::uint64_t(width) * height > limits.maxPixels)
+    const std::size_t channels = reader.channels();
+    const std::uint64_t maxPixels = limits.maxPixelsOf(channels);
+    if (std::uint64_t(width) * height > maxPixels)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, limits.maxPixels));
+                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, maxPixels));
     constexpr std::uint64_t kPixelsPerByte = 1024; // at most: a block of 8x8 takes a bit for its mean alone
     if (std::uint64_t(width) * height / kPixelsPerByte > bytes.size())
         throw Error(ErrorKind::InvalidContent,
@@ -130,7 +132,6 @@ Picture decodeJpeg(std::span<const std::byte> bytes, const std::string& name, co
         part.pixelAspect = float(reader.info().Y_density) / float(reader.info().X_density);
     part.image.width = width;
     part.image.height = height;
-    const std::size_t channels = reader.channels();
     const std::string names = channels == 1 ? "Y" : "RGB";
     for (std::size_t c = 0; c < channels; ++c) {
         ImageChannel& channel = part.image.channels.emplace_back();

@@ -52,9 +52,10 @@ Picture decodePfm(std::span<const std::byte> bytes, const std::string& name, con
     const auto height = takeNumber<std::uint32_t>(text, name, "height");
     const bool isBigEndian = takeNumber<double>(text, name, "scale") > 0.0;
     const std::uint64_t pixels = std::uint64_t(width) * height;
-    if (pixels > limits.maxPixels || std::max(width, height) > 0x3FFFFFFF)
+    const std::uint64_t maxPixels = limits.maxPixelsOf(channels);
+    if (pixels > maxPixels || std::max(width, height) > 0x3FFFFFFF)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, limits.maxPixels));
+                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, maxPixels));
     if (text.size() != pixels * channels * sizeof(float))
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged: {} x {} pixels take {} bytes, {} are there", name, width,

@@ -117,10 +117,10 @@ void requirePlausible(const PngInfo& info, std::size_t fileBytes, const PictureL
                       const std::string& name) {
     constexpr std::uint64_t kMaxRatio = 1032; // deflate: 258 bytes in two bits
     const std::uint64_t pixels = std::uint64_t(info.width) * info.height;
-    if (pixels > limits.maxPixels || pixels > limits.maxValues / unsigned(info.channels))
+    const std::uint64_t maxPixels = limits.maxPixelsOf(static_cast<std::size_t>(info.channels));
+    if (pixels > maxPixels)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, info.width, info.height,
-                                std::min(limits.maxPixels, limits.maxValues / unsigned(info.channels))));
+                    fmt::format("{}: {} x {} pixels exceed {}", name, info.width, info.height, maxPixels));
     if (pixels / 8 / kMaxRatio > fileBytes) // at least one bit each
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged or truncated: {} bytes cannot hold {} x {} pixels", name,

@@ -61,7 +61,7 @@ Picture decodePicture(std::span<const std::byte> bytes, const std::string& name,
     case PictureType::Hdr:
         break;
     }
-    return fromHdr(decodeHdr(bytes, name, limits.maxPixels), name);
+    return fromHdr(decodeHdr(bytes, name, limits.maxPixelsOf(3)), name);
 }
 
 Picture readPicture(const std::string& path, const PictureLimits& limits) {

@@ -1,6 +1,7 @@
 #pragma once
 #include "formats/image.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -57,6 +58,11 @@ struct PictureLimits {
     bool allCompressions =
         false; ///< EXR: also PIZ, PXR24, B44, B44A, DWAA and DWAB, whose decoders had holes
     std::string allCompressionsOption = {}; ///< how the user sets it, for messages; empty: not at all
+
+    /// Of a picture of one part.
+    std::uint64_t maxPixelsOf(std::size_t channels) const {
+        return std::min(maxPixels, maxValues / channels);
+    }
 };
 
 /// Decodes an EXR (any parts that are flat), PNG (8 or 16 bits), JPEG, PFM or Radiance HDR picture, whichever

@@ -386,6 +386,19 @@ TEST(PictureExr, TheWholeCollectionIsReadOrRefused) {
     }
 }
 
+TEST(Picture, AllFormatsKeepTheLimitOnValues) {
+    const std::string pfm = "PF 2 1 -1.0\n" + std::string(24, '\0');
+    const std::string hdr = std::string("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n") +
+                            "\x80\x40\x20\x81" + "\x80\x80\x80\x80";
+    for (const Bytes& bytes : {pngOf(8, PNG_COLOR_TYPE_RGB, 1), jpegOf(3, JCS_RGB), text(pfm), text(hdr)}) {
+        PictureLimits limits;
+        limits.maxValues = 3 * decode(bytes).parts[0].image.pixelCount();
+        EXPECT_NO_THROW(decode(bytes, limits));
+        --limits.maxValues;
+        EXPECT_EQ(errorOf(bytes, limits).first, ErrorKind::LimitExceeded) << decode(bytes).format;
+    }
+}
+
 TEST(Picture, WhatIsNoPictureIsRefusedByItsStart) {
     EXPECT_THAT(errorOf(text("not a picture")).second, HasSubstr("is not an OpenEXR file, nor a PNG"));
     EXPECT_THAT(errorOf({}).second, HasSubstr("is not an OpenEXR file"));
