@@ -1,3 +1,4 @@
+#include "tests/support/compared_layers.h"
 #include "tests/support/run_command.h"
 #include "tests/support/split_mix.h"
 #include "tests/support/temporary_folder.h"
@@ -59,9 +60,9 @@ TEST(CompareNumpy, FiguresAreThoseOfNumpy) {
     ASSERT_EQ(result.exitCode, 0) << result.err;
     const auto numpy = nlohmann::json::parse(result.out);
     const Comparison comparison = comparePictures(readPicture(a, {}), readPicture(b, {}), {}).comparison;
-    ASSERT_NE(comparison.color(), nullptr);
-    expectSame(comparison.color()->figures, numpy.at("all"));
-    for (const ChannelComparison& channel : comparison.color()->channels)
+    ASSERT_NE(colorOf(comparison), nullptr);
+    expectSame(colorOf(comparison)->figures, numpy.at("all"));
+    for (const ChannelComparison& channel : colorOf(comparison)->channels)
         expectSame(channel.figures, numpy.at(channel.name));
 }
 

@@ -1,3 +1,4 @@
+#include "tests/support/compared_layers.h"
 #include "tests/support/scenes.h"
 #include "tests/support/split_mix.h"
 #include "tests/support/test_pictures.h"
@@ -31,15 +32,14 @@ Comparison compare(const Image& a, const Image& b, const CompareOptions& options
 ErrorFigures figuresOf(float a, float b, double peak = 1.0) {
     CompareOptions options;
     options.metrics.peak = peak;
-    return compare(imageOf(1, 1, {floats("R", {a})}), imageOf(1, 1, {floats("R", {b})}), options)
-        .color()
+    return colorOf(compare(imageOf(1, 1, {floats("R", {a})}), imageOf(1, 1, {floats("R", {b})}), options))
         ->figures;
 }
 
 TEST(CompareMetrics, FiguresOfALayerAreThoseByHand) {
     const Comparison c = compare(handA(), handB());
-    const ErrorFigures& f = c.color()->figures;
-    EXPECT_EQ(c.color()->name, "color");
+    const ErrorFigures& f = colorOf(c)->figures;
+    EXPECT_EQ(colorOf(c)->name, "color");
     EXPECT_EQ(f.values, 12u);
     EXPECT_EQ(f.compared, 12u);
     EXPECT_DOUBLE_EQ(f.maxAbs, 2.0);
@@ -57,7 +57,7 @@ TEST(CompareMetrics, FiguresOfALayerAreThoseByHand) {
 }
 
 TEST(CompareMetrics, FiguresOfEachChannelAreThoseByHand) {
-    const std::vector<ChannelComparison> channels = compare(handA(), handB()).color()->channels;
+    const std::vector<ChannelComparison> channels = colorOf(compare(handA(), handB()))->channels;
     ASSERT_EQ(channels.size(), 3u);
     EXPECT_EQ(channels[0].name, "R");
     EXPECT_DOUBLE_EQ(channels[0].figures.rmse, std::sqrt(5.0 / 4.0));
@@ -79,22 +79,22 @@ TEST(CompareMetrics, PixelsOverAThresholdCountOnceWhateverTheNumberOfChannels) {
     CompareOptions options;
     options.metrics.thresholds = {0.0, 0.5, 1.0};
     const Comparison c = compare(handA(), handB(), options);
-    const std::vector<OverThreshold>& over = c.color()->figures.over;
+    const std::vector<OverThreshold>& over = colorOf(c)->figures.over;
     ASSERT_EQ(over.size(), 3u);
     EXPECT_EQ(over[0].pixels, 3u); // not 4 values: one per pixel
     EXPECT_EQ(over[1].pixels, 2u); // 0.5 is not over 0.5
     EXPECT_EQ(over[2].pixels, 1u);
     EXPECT_DOUBLE_EQ(over[2].fraction, 0.25);
-    EXPECT_EQ(c.color()->channels[0].figures.over[0].pixels, 2u);
+    EXPECT_EQ(colorOf(c)->channels[0].figures.over[0].pixels, 2u);
     Image both = handB();
     both.channels[1].values[1] = 7.0f;
-    EXPECT_EQ(compare(handA(), both, options).color()->figures.over[0].pixels, 3u);
+    EXPECT_EQ(colorOf(compare(handA(), both, options))->figures.over[0].pixels, 3u);
 }
 
 TEST(CompareMetrics, WorstPixelsAreListedWithPositionAndBothValues) {
     CompareOptions options;
     options.metrics.worst = 2;
-    const std::vector<WorstPixel> worst = compare(handA(), handB(), options).color()->worst;
+    const std::vector<WorstPixel> worst = colorOf(compare(handA(), handB(), options))->worst;
     ASSERT_EQ(worst.size(), 2u);
     EXPECT_EQ(worst[0].channel, "R");
     EXPECT_EQ(worst[0].x, 1);
@@ -104,13 +104,13 @@ TEST(CompareMetrics, WorstPixelsAreListedWithPositionAndBothValues) {
     EXPECT_EQ(worst[1].x, 1);
     EXPECT_EQ(worst[1].y, 0);
     options.metrics.worst = 100;
-    EXPECT_EQ(compare(handA(), handB(), options).color()->worst.size(), 3u)
+    EXPECT_EQ(colorOf(compare(handA(), handB(), options))->worst.size(), 3u)
         << "pixels that do not differ are none";
-    EXPECT_TRUE(compare(handA(), handA()).color()->worst.empty());
+    EXPECT_TRUE(colorOf(compare(handA(), handA()))->worst.empty());
 }
 
 TEST(CompareMetrics, TheHistogramCountsByPowersOfTwo) {
-    const ErrorHistogram histogram = compare(handA(), handB()).color()->figures.histogram;
+    const ErrorHistogram histogram = colorOf(compare(handA(), handB()))->figures.histogram;
     const auto binOf = [](int exponent) {
         return static_cast<std::size_t>(exponent - ErrorHistogram::kLowestExponent + 1);
     };
@@ -119,8 +119,8 @@ TEST(CompareMetrics, TheHistogramCountsByPowersOfTwo) {
     EXPECT_EQ(histogram.counts[binOf(0)], 1u);
     EXPECT_EQ(histogram.counts[binOf(1)], 1u);
     const auto tiny = compare(imageOf(1, 1, {floats("R", {1e-45f})}), imageOf(1, 1, {floats("R", {0})}));
-    EXPECT_EQ(tiny.color()->figures.histogram.counts[0], 0u) << "a difference is none of the equal values";
-    EXPECT_EQ(tiny.color()->figures.histogram.counts[1], 1u);
+    EXPECT_EQ(colorOf(tiny)->figures.histogram.counts[0], 0u) << "a difference is none of the equal values";
+    EXPECT_EQ(colorOf(tiny)->figures.histogram.counts[1], 1u);
 }
 
 TEST(CompareMetrics, SumsDoNotOverflowOrCancelWhereFloatsWould) {
@@ -161,11 +161,11 @@ TEST(CompareMetrics, PercentilesAreThoseOfSortedErrors) {
     for (const std::uint64_t seed : {1u, 2u, 3u}) {
         const RandomPair pair(seed, 157, 61);
         const Comparison c = compare(pair.a, pair.b, options);
-        ASSERT_EQ(c.color()->figures.percentiles.size(), 8u);
-        for (const Percentile& p : c.color()->figures.percentiles) {
+        ASSERT_EQ(colorOf(c)->figures.percentiles.size(), 8u);
+        for (const Percentile& p : colorOf(c)->figures.percentiles) {
             const auto rank =
                 static_cast<std::size_t>(std::ceil(p.percent / 100.0 * double(pair.errors.size())));
-            EXPECT_EQ(p.absError, std::min(pair.errors[rank - 1], c.color()->figures.maxAbs)) << p.percent;
+            EXPECT_EQ(p.absError, std::min(pair.errors[rank - 1], colorOf(c)->figures.maxAbs)) << p.percent;
         }
     }
 }
@@ -178,7 +178,7 @@ TEST(CompareMetrics, AMaskTakesItsPixelsOutOfEveryFigure) {
     CompareOptions options;
     options.focus.mask = &maskPicture;
     const Comparison c = compare(pair.a, pair.b, options);
-    const ErrorFigures& f = c.color()->figures;
+    const ErrorFigures& f = colorOf(c)->figures;
     EXPECT_EQ(f.values, pair.errors.size());
     EXPECT_EQ(c.ignored, 157u * 61u - pair.errors.size() / 3u);
     EXPECT_EQ(f.percentiles[0].absError,
@@ -204,7 +204,7 @@ TEST(CompareMetrics, FiguresDoNotDependOnTheNumberOfThreads) {
     const RandomPair pair(5, 640, 97);
     const auto run = [&](std::size_t threads) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        return *compare(pair.a, pair.b).color();
+        return *colorOf(compare(pair.a, pair.b));
     };
     const LayerComparison one = run(1), many = run(4);
     EXPECT_EQ(one.figures.mse, many.figures.mse);
@@ -254,7 +254,7 @@ TEST(CompareMetrics, AgreesWithPublishedValuesOfPngPairs) {
             comparePictures(readPicture(scenePath(std::string("images/") + pair.a), {}),
                             readPicture(scenePath(std::string("images/") + pair.b), {}), options)
                 .comparison;
-        const ErrorFigures& f = c.color()->figures;
+        const ErrorFigures& f = colorOf(c)->figures;
         EXPECT_NEAR(255.0 * f.mae, pair.mae, 1e-6);
         EXPECT_NEAR(255.0 * f.rmse, pair.rmse, 1e-6);
         EXPECT_NEAR(255.0 * f.maxAbs, pair.maxAbs, 1e-4);
@@ -283,10 +283,10 @@ TEST(CompareMetrics, AgreesWithReferenceValuesOfRealRenders) {
             comparePictures(readPicture(scenePath(std::string("images/pairs/") + pair.a), {}),
                             readPicture(scenePath(std::string("images/pairs/") + pair.b), {}), {})
                 .comparison;
-        EXPECT_NEAR(c.color()->figures.mae, pair.mae, 1e-9);
-        EXPECT_NEAR(c.color()->figures.rmse, pair.rmse, 1e-9);
-        EXPECT_NEAR(c.color()->figures.maxAbs, pair.maxAbs, 1e-9);
-        EXPECT_EQ(c.color()->figures.over[0].pixels, pair.differing);
+        EXPECT_NEAR(colorOf(c)->figures.mae, pair.mae, 1e-9);
+        EXPECT_NEAR(colorOf(c)->figures.rmse, pair.rmse, 1e-9);
+        EXPECT_NEAR(colorOf(c)->figures.maxAbs, pair.maxAbs, 1e-9);
+        EXPECT_EQ(colorOf(c)->figures.over[0].pixels, pair.differing);
         EXPECT_EQ(c.passed(), pair.rmse == 0.0);
     }
 }

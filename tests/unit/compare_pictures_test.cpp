@@ -1,4 +1,5 @@
 #include "common/error.h"
+#include "tests/support/compared_layers.h"
 #include "tests/support/split_mix.h"
 #include "tests/support/test_pictures.h"
 #include "tools/rt-compare/compare.h"
@@ -220,13 +221,13 @@ TEST(ComparePictures, NonFiniteValuesAreCountedByKindAndPlace) {
     EXPECT_EQ(c.nonFinitePlaces[4].channel, "Z");
     EXPECT_EQ(c.nonFinitePlaces[4].x, 2);
     EXPECT_EQ(c.nonFinitePlaces[4].a, -double(kInf));
-    EXPECT_EQ(c.color()->figures.compared, 597u);
-    EXPECT_EQ(c.color()->figures.values, 600u);
+    EXPECT_EQ(colorOf(c)->figures.compared, 597u);
+    EXPECT_EQ(colorOf(c)->figures.values, 600u);
 }
 
 TEST(ComparePictures, LimitsHoldInclusively) {
     const Picture other = withValue(2, 7, 3.0f);
-    const double rmse = compare(picture(), other).color()->figures.rmse;
+    const double rmse = colorOf(compare(picture(), other))->figures.rmse;
     CompareOptions options;
     options.limits = {{Metric::Rmse, "", 0.0, rmse}};
     EXPECT_THAT(failuresOf(picture(), other, options), IsEmpty());
@@ -236,7 +237,7 @@ TEST(ComparePictures, LimitsHoldInclusively) {
 
 TEST(ComparePictures, EveryFigureMayHaveALimit) {
     const Picture other = withValue(2, 7, 3.0f);
-    const ErrorFigures f = compare(picture(), other).color()->figures;
+    const ErrorFigures f = colorOf(compare(picture(), other))->figures;
     const Limit limits[] = {{Metric::MaxAbs, "", 0, f.maxAbs},    {Metric::Mae, "", 0, f.mae},
                             {Metric::Mse, "", 0, f.mse},          {Metric::RelMse, "", 0, f.relMse},
                             {Metric::Smape, "", 0, f.smape},      {Metric::Percentile, "", 99.9, f.maxAbs},
@@ -305,7 +306,7 @@ TEST(ComparePictures, SizesThatDifferFailWithoutFigures) {
     const Picture square = pictureOf(imageOf(2, 2, {floats("R", {1, 1, 1, 1})}));
     const Comparison c = compare(wide, square, loose());
     EXPECT_THAT(failures(c), ElementsAre("size: sizes differ: 4 x 1 against 2 x 2"));
-    EXPECT_EQ(c.color(), nullptr);
+    EXPECT_EQ(colorOf(c), nullptr);
     EXPECT_THAT(failuresOf(wide, square, allowing("size")), ElementsAre(HasSubstr("limit: color: RMSE")));
 }
 
@@ -319,10 +320,10 @@ TEST(ComparePictures, DataWindowsThatDifferFailAndCountAsZeroOutsideIfAllowed) {
     EXPECT_THAT(failuresOf(whole, part, allowing("data-window")), IsEmpty());
     part.parts[0].image.channels[0].values[1] = 2.5f;
     const Comparison c = compare(whole, part, allowing("data-window"));
-    EXPECT_EQ(c.color()->worst[0].x, 2);
-    EXPECT_EQ(c.color()->figures.values, 4u);
+    EXPECT_EQ(colorOf(c)->worst[0].x, 2);
+    EXPECT_EQ(colorOf(c)->figures.values, 4u);
     whole.parts[0].image.channels[0].values[3] = 9.0f; // outside of the part
-    EXPECT_EQ(compare(whole, part, allowing("data-window")).color()->figures.maxAbs, 9.0);
+    EXPECT_EQ(colorOf(compare(whole, part, allowing("data-window")))->figures.maxAbs, 9.0);
     Picture far = part;
     far.parts[0].dataWindow = {1 << 20, 1 << 20, (1 << 20) + 2, (1 << 20) + 1};
     EXPECT_THROW(compare(whole, far, allowing("data-window")), Error);

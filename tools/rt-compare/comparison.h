@@ -211,12 +211,6 @@ struct Comparison {
             if (finding.fails) return false;
         return true;
     }
-    /// R, G, B, A of the first part; nullptr if absent.
-    const LayerComparison* color() const {
-        for (const LayerComparison& layer : layers)
-            if (layer.kind == LayerKind::Color) return &layer;
-        return nullptr;
-    }
 };
 
 } // namespace rt

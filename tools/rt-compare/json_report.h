@@ -1,5 +1,5 @@
 #pragma once
-#include "tools/rt-compare/run.h"
+#include "tools/rt-compare/compare_files.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
+#include "tools/rt-compare/compare_files.h"
 #include "tools/rt-compare/options.h"
-#include "tools/rt-compare/run.h"
 
 #include <memory>
 #include <nlohmann/json_fwd.hpp>

@@ -1,6 +1,6 @@
 "use strict";
-// Draws the page from the JSON in #data: `report`, a pair as --json gives it, and `pictures`, whose planes are
-// half floats (or bytes): along each row the difference to the left neighbour, all high bytes before all low ones,
+// Draws the page from the JSON in #data: `report`, a pair as --json gives it, and `layers`, whose planes are
+// half floats (pictures) or bytes (maps): along each row the difference to the left neighbour, all high bytes before all low ones,
 // compressed, in base64. Texts only ever enter the page as text nodes.
 const data = JSON.parse(document.getElementById("data").textContent);
 const report = data.report;
@@ -116,7 +116,7 @@ function differences(a, b) {
   });
 }
 const hot = plane => picture(i => data.heatColors[plane[i]]);
-// Made when first shown; exposure() forgets those that depend on it.
+// Made when first shown; expose() forgets those that depend on it.
 function pictureOf(kind) {
   const layer = layers[state.layer];
   if (!pictures[kind])

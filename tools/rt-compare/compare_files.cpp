@@ -1,4 +1,4 @@
-#include "tools/rt-compare/run.h"
+#include "tools/rt-compare/compare_files.h"
 
 #include "common/error.h"
 #include "formats/parallel_check.h"
