@@ -121,7 +121,8 @@ TEST_F(CompareReports, WrongUsageIsNamed) {
     expectUsageError({"test.exr", "reference.exr", "-o", "map.jpg"},
                      "map.jpg: error maps are written as .exr or .png");
     expectUsageError({"test.exr", "reference.exr", "--heat", "abs"}, "-o");
-    expectUsageError({"test.exr", "reference.exr", "-o", "map.png", "--heat", "psnr"}, "--heat: 'psnr'");
+    expectUsageError({"test.exr", "reference.exr", "-o", "map.png", "--heat", "psnr"},
+                     "--heat: psnr not in {flip,ssim,abs}");
     expectUsageError({"test.exr", "reference.exr", "--metrics", "vmaf"},
                      "--metrics: vmaf not in {flip,ssim,ms-ssim}");
     expectUsageError({"test.exr", "reference.exr", "--exposures", "3,1"}, "--exposures");

@@ -39,14 +39,13 @@ void addLimits(CLI::App& app, OptionTexts& texts, Options& options) {
 
 void addVerdict(CLI::App& app, OptionTexts& texts, Options& options) {
     const std::string group = "Verdict";
-    app.add_option("--allow", texts.allowed,
-                   fmt::format("Differences that do not fail: {}", fmt::join(kAllowable, ", ")))
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->type_name("NAMES")
-        ->group(group);
+    const Texts allowable(kAllowable.begin(), kAllowable.end());
+    namesOption(app, "--allow", texts.allowed,
+                fmt::format("Differences that do not fail: {}", fmt::join(allowable, ", ")), group)
+        ->check(CLI::IsMember(allowable).description(""));
     app.add_option("--allow-nonfinite", texts.nonFinite,
                    "same: NaN and infinities pass where both images have the same")
+        ->check(CLI::IsMember({"same"}).description(""))
         ->type_name("same")
         ->group(group);
     app.add_flag("--noise", options.compare.noise.on,
@@ -78,16 +77,9 @@ void addFocus(CLI::App& app, OptionTexts& texts, Options& options) {
     app.add_option("--mask", options.maskPath, "Not the pixels that are 0 in this image")
         ->type_name("FILE")
         ->group(group);
-    app.add_option("--channels", options.compare.focus.onlyChannels, "Only these channels or layers")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->type_name("NAMES")
-        ->group(group);
-    app.add_option("--ignore-channels", options.compare.focus.withoutChannels, "Not these channels or layers")
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->type_name("NAMES")
-        ->group(group);
+    FocusOptions& focus = options.compare.focus;
+    namesOption(app, "--channels", focus.onlyChannels, "Only these channels or layers", group);
+    namesOption(app, "--ignore-channels", focus.withoutChannels, "Not these channels or layers", group);
 }
 
 void addFigures(CLI::App& app, OptionTexts& texts, Options& options) {
@@ -123,6 +115,7 @@ void addReading(CLI::App& app, OptionTexts& texts, Options& options) {
         ->group(group);
     app.add_option("--allow-compression", texts.compression,
                    "all: read EXR files compressed with PIZ, PXR24, B44, DWA too; only files that you trust")
+        ->check(CLI::IsMember({"all"}).description(""))
         ->type_name("all")
         ->group(group);
     app.add_option("--max-pixels", options.reading.maxPixels, "Refuse larger images (default 2^28)")
@@ -180,18 +173,8 @@ void readTexts(const OptionTexts& texts, Options& options) {
         for (const double threshold : parseList(texts.thresholds, "--thresholds", 1e30))
             insertSorted(metrics.thresholds, threshold);
     readLimits(texts, options.compare);
-    for (const std::string& name : texts.allowed) {
-        if (std::ranges::find(kAllowable, name) == kAllowable.end())
-            throw Error(ErrorKind::Usage,
-                        fmt::format("--allow: '{}' is none of {}", name, fmt::join(kAllowable, ", ")));
-        options.compare.allowed.insert(name);
-    }
-    if (!texts.nonFinite.empty() && texts.nonFinite != "same")
-        throw Error(ErrorKind::Usage, fmt::format("--allow-nonfinite: '{}' is not 'same'", texts.nonFinite));
+    options.compare.allowed.insert(texts.allowed.begin(), texts.allowed.end());
     options.compare.allowSameNonFinite = !texts.nonFinite.empty();
-    if (!texts.compression.empty() && texts.compression != "all")
-        throw Error(ErrorKind::Usage,
-                    fmt::format("--allow-compression: '{}' is not 'all'", texts.compression));
     options.reading.allCompressions = !texts.compression.empty();
     if (!texts.crop.empty()) options.compare.focus.crop = parseBox(texts.crop, "--crop");
     for (const std::string& text : texts.ignored)

@@ -32,10 +32,7 @@ ExposureRange parseExposures(const std::string& text) {
 }
 
 HeatFigure parseHeat(const std::string& text) {
-    if (text.empty() || text == "flip") return HeatFigure::Flip;
-    if (text == "ssim") return HeatFigure::Ssim;
-    if (text == "abs") return HeatFigure::Abs;
-    throw Error(ErrorKind::Usage, fmt::format("--heat: '{}' is none of flip, ssim, abs", text));
+    return text == "ssim" ? HeatFigure::Ssim : text == "abs" ? HeatFigure::Abs : HeatFigure::Flip;
 }
 
 // The metrics that are only computed where they are asked for.
@@ -61,17 +58,23 @@ std::vector<std::string> ReportOptions::outputs() const {
     return paths;
 }
 
+CLI::Option* namesOption(CLI::App& app, const std::string& option, std::vector<std::string>& names,
+                         const std::string& help, const std::string& group) {
+    return app.add_option(option, names, help)
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->type_name("NAMES")
+        ->group(group);
+}
+
 void addReportOptions(CLI::App& app, ReportTexts& texts, ReportOptions& reports,
                       PerceptionOptions& perception) {
     const std::string seen = "What is seen of colors; takes longer than all other figures";
     const std::vector<std::string> metrics = costlyMetrics();
-    app.add_option("--metrics", texts.metrics,
-                   fmt::format("Report these too: {}; limits on them imply them", fmt::join(metrics, ", ")))
-        ->check(CLI::IsMember(metrics).description(""))
-        ->delimiter(',')
-        ->allow_extra_args(false)
-        ->type_name("NAMES")
-        ->group(seen);
+    namesOption(app, "--metrics", texts.metrics,
+                fmt::format("Report these too: {}; limits on them imply them", fmt::join(metrics, ", ")),
+                seen)
+        ->check(CLI::IsMember(metrics).description(""));
     app.add_option("--pixels-per-degree", perception.pixelsPerDegree,
                    "Of the observer that FLIP stands for (default 67.02: 0.7 m from a screen 0.7 m and 3840 "
                    "pixels wide)")
@@ -92,6 +95,7 @@ void addReportOptions(CLI::App& app, ReportTexts& texts, ReportOptions& reports,
         ->group(group);
     app.add_option("--heat", texts.heat,
                    "What the colors of -o show: flip (default), ssim or abs, the largest |a-b|")
+        ->check(CLI::IsMember({"flip", "ssim", "abs"}).description(""))
         ->type_name("NAME")
         ->group(group);
     app.add_option("--html", reports.htmlPath,

@@ -7,6 +7,7 @@
 
 namespace CLI {
 class App;
+class Option;
 } // namespace CLI
 
 namespace rt {
@@ -27,6 +28,10 @@ struct ReportTexts {
     std::vector<std::string> metrics;
     std::string exposures, heat;
 };
+
+/// Adds an option that takes names with commas between them.
+CLI::Option* namesOption(CLI::App& app, const std::string& option, std::vector<std::string>& names,
+                         const std::string& help, const std::string& group);
 
 void addReportOptions(CLI::App& app, ReportTexts& texts, ReportOptions& reports,
                       PerceptionOptions& perception);
