@@ -60,7 +60,9 @@ void hdrFlip14Exposures(benchmark::State& state) {
 
 void ssimOfOneChannel(benchmark::State& state) {
     const Pair pair(1.0);
-    limitThreads(state, [&] { benchmark::DoNotOptimize(ssim({kWidth, kHeight, pair.a[0], pair.b[0], {}})); });
+    limitThreads(state, [&] {
+        benchmark::DoNotOptimize(measureSsim({kWidth, kHeight, pair.a[0], pair.b[0], {}}, {.single = true}));
+    });
 }
 
 #define RT_PERCEPTION_BENCHMARK(function)                                                                    \

@@ -29,6 +29,16 @@ Pair wavesOf(std::uint32_t width, std::uint32_t height) {
     return pair;
 }
 
+std::optional<double> ssim(const SsimPlanes& planes) {
+    return measureSsim(planes, {.single = true}).single;
+}
+std::optional<double> msSsim(const SsimPlanes& planes) {
+    return measureSsim(planes, {.multi = true}).multi;
+}
+std::vector<float> ssimMap(const SsimPlanes& planes) {
+    return measureSsim(planes, {.map = true}).map;
+}
+
 Pair constants(std::uint32_t width, std::uint32_t height, float a, float b) {
     const std::size_t count = std::size_t(width) * height;
     return {width, height, std::vector<float>(count, a), std::vector<float>(count, b)};
@@ -120,6 +130,18 @@ TEST(Ssim, IgnoredPixelsAreNoMiddleOfAWindow) {
     EXPECT_EQ(ssim(planes), 1.0);
     ignored[30 * 97 + 48] = 0;
     EXPECT_NEAR(ssim(planes).value(), ssimMap(planes)[30 * 97 + 48], 1e-7);
+}
+
+TEST(Ssim, FiguresDoNotDependOnWhatElseIsWanted) {
+    const Pair pair = wavesOf(211, 183);
+    const SsimFigures all = measureSsim(pair.planes(), {true, true, true});
+    EXPECT_EQ(all.single, ssim(pair.planes()));
+    EXPECT_EQ(all.multi, msSsim(pair.planes()));
+    EXPECT_EQ(all.map, ssimMap(pair.planes()));
+    EXPECT_LT(all.single.value(), 0.999);
+    const SsimFigures map = measureSsim(pair.planes(), {.map = true});
+    EXPECT_FALSE(map.single || map.multi);
+    EXPECT_TRUE(measureSsim(pair.planes(), {.multi = true}).map.empty());
 }
 
 TEST(Ssim, IsTheSameForAnyNumberOfThreads) {

@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace rt {
 namespace {
@@ -127,16 +128,15 @@ std::vector<float> addSimilarity(const LayerColors& colors, const std::vector<st
         const std::vector<float> a = displayValues(colors.a.planes[c], colors.a.encoding);
         const std::vector<float> b = displayValues(colors.b.planes[c], colors.b.encoding);
         const SsimPlanes planes{colors.a.width, colors.a.height, a, b, ignored};
-        if (options.ssim) single += ssim(planes).value_or(kNotComputed);
-        if (options.msSsim) multi += msSsim(planes).value_or(kNotComputed);
-        if (!options.ssimMap) continue;
-        map.resize(a.size());
-        const std::vector<float> one = ssimMap(planes);
-        for (std::size_t i = 0; i < map.size(); ++i) map[i] += share * one[i];
+        const SsimFigures found = measureSsim(planes, {options.ssim, options.msSsim, options.ssimMap});
+        single += found.single.value_or(kNotComputed);
+        multi += found.multi.value_or(kNotComputed);
+        map.resize(found.map.size());
+        for (std::size_t i = 0; i < map.size(); ++i) map[i] += share * found.map[i];
     }
     const auto meanOf = [&](double sum) { return sum / static_cast<double>(colors.distinct); };
-    if (options.ssim && single == single) layer.ssim = meanOf(single);
-    if (options.msSsim && multi == multi) layer.msSsim = meanOf(multi);
+    if (!std::isnan(single)) layer.ssim = meanOf(single);
+    if (!std::isnan(multi)) layer.msSsim = meanOf(multi);
     return map;
 }
 

@@ -131,11 +131,24 @@ void forEachRow(const SsimPlanes& planes, Work&& work) {
     });
 }
 
-// The means over all windows: added block by block, in the same order for any number of threads.
-SsimSums meansOf(const SsimPlanes& planes) {
+// Fills the rows of the map whose windows these are; pixels at the edges have those of the nearest window.
+void fillMap(const SsimPlanes& planes, std::size_t y, const WindowRows& rows, std::span<float> map) {
+    const std::size_t first = y == 0 ? 0 : y + kMargin;
+    const std::size_t end = y == planes.height - kWindow ? planes.height : y + kMargin + 1;
+    for (std::size_t row = first; row < end; ++row)
+        for (std::size_t x = 0; x < planes.width; ++x) {
+            const std::size_t column = std::clamp(x, kMargin, planes.width - 1 - kMargin) - kMargin;
+            map[row * planes.width + x] = static_cast<float>(rows.ssim()[column]);
+        }
+}
+
+// The means over all windows: added block by block, in the same order for any number of threads. Fills the
+// map unless it is empty.
+SsimSums meansOf(const SsimPlanes& planes, std::span<float> map = {}) {
     std::vector<SsimSums> blocks(planes.height / kRowsPerBlock + 1);
     forEachRow(planes, [&](std::size_t block, std::size_t y, const WindowRows& rows) {
         addRow(planes, y, rows, blocks[block]);
+        if (!map.empty()) fillMap(planes, y, rows, map);
     });
     SsimSums all;
     for (const SsimSums& block : blocks) {
@@ -171,41 +184,33 @@ struct HalvedPlanes {
     }
 };
 
-} // namespace
-
-std::optional<double> ssim(const SsimPlanes& planes) {
-    if (std::min(planes.width, planes.height) < kSsimLeast) return std::nullopt;
-    return meansOf(planes).ssim;
-}
-
-std::vector<float> ssimMap(const SsimPlanes& planes) {
-    std::vector<float> map(std::size_t(planes.width) * planes.height, 1.0f);
-    if (std::min(planes.width, planes.height) < kSsimLeast) return map;
-    const std::size_t lastRow = planes.height - kWindow;
-    forEachRow(planes, [&](std::size_t, std::size_t y, const WindowRows& rows) {
-        const std::size_t first = y == 0 ? 0 : y + kMargin;
-        const std::size_t end = y == lastRow ? planes.height : y + kMargin + 1;
-        for (std::size_t row = first; row < end; ++row)
-            for (std::size_t x = 0; x < planes.width; ++x) {
-                const std::size_t column = std::clamp(x, kMargin, planes.width - 1 - kMargin) - kMargin;
-                map[row * planes.width + x] = static_cast<float>(rows.ssim()[column]);
-            }
-    });
-    return map;
-}
-
-std::optional<double> msSsim(const SsimPlanes& planes) {
-    if (std::min(planes.width, planes.height) < kMsSsimLeast) return std::nullopt;
+// `means` are those of the planes themselves.
+double multiScale(const SsimPlanes& planes, SsimSums means) {
     double product = 1.0;
     std::optional<HalvedPlanes> halved;
     for (std::size_t scale = 0; scale < kScaleWeights.size(); ++scale) {
-        if (scale > 0) halved.emplace(HalvedPlanes(halved ? halved->view : planes));
-        const SsimSums means = meansOf(halved ? halved->view : planes);
+        if (scale > 0) {
+            halved.emplace(HalvedPlanes(halved ? halved->view : planes));
+            means = meansOf(halved->view);
+        }
         const bool isLast = scale + 1 == kScaleWeights.size();
         // Negative means (one picture is rather the negative of the other) have no such power: no similarity.
         product *= std::pow(std::max(isLast ? means.ssim : means.contrast, 0.0), kScaleWeights[scale]);
     }
     return product;
+}
+
+} // namespace
+
+SsimFigures measureSsim(const SsimPlanes& planes, const SsimWants& wants) {
+    SsimFigures figures;
+    if (wants.map) figures.map.assign(std::size_t(planes.width) * planes.height, 1.0f);
+    const std::uint32_t least = std::min(planes.width, planes.height);
+    if (least < kSsimLeast) return figures;
+    const SsimSums means = meansOf(planes, figures.map);
+    if (wants.single) figures.single = means.ssim;
+    if (wants.multi && least >= kMsSsimLeast) figures.multi = multiScale(planes, means);
+    return figures;
 }
 
 } // namespace rt

@@ -16,16 +16,21 @@ struct SsimPlanes {
 /// Smallest width and height of pictures that SSIM and MS-SSIM are defined for.
 inline constexpr std::uint32_t kSsimLeast = 11, kMsSsimLeast = 176;
 
+struct SsimWants {
+    bool single = false, multi = false, map = false;
+};
+
+struct SsimFigures {
+    std::optional<double> single; ///< SSIM; absent: not wanted, or the picture is below kSsimLeast
+    std::optional<double> multi;  ///< MS-SSIM; absent: not wanted, or the picture is below kMsSsimLeast
+    std::vector<float> map;       ///< empty if not wanted; 1 where the picture is below kSsimLeast
+};
+
 /// Structural similarity, 1 for equal planes, of windows that lie whole in the picture: their mean, or 1
-/// where no pixel counts. Nothing for pictures below kSsimLeast. The same bits for any number of threads.
-/// Source: Wang et al. 2004, "Image Quality Assessment: From Error Visibility to Structural Similarity".
-std::optional<double> ssim(const SsimPlanes& planes);
-
-/// Each pixel's SSIM; those nearer to the edge than a window has room for repeat the nearest that is not.
-std::vector<float> ssimMap(const SsimPlanes& planes);
-
-/// Nothing for pictures below kMsSsimLeast.
-/// Source: Wang et al. 2003, "Multi-scale Structural Similarity for Image Quality Assessment".
-std::optional<double> msSsim(const SsimPlanes& planes);
+/// where no pixel counts. In the map, pixels nearer to the edge than a window has room for repeat the nearest
+/// that is not. The same bits for any number of threads. Sources: Wang et al. 2004, "Image Quality
+/// Assessment: From Error Visibility to Structural Similarity"; Wang et al. 2003, "Multi-scale Structural
+/// Similarity for Image Quality Assessment".
+SsimFigures measureSsim(const SsimPlanes& planes, const SsimWants& wants);
 
 } // namespace rt
