@@ -294,7 +294,10 @@ TEST(PoolErrors, HandComputedFiguresWeighErrorsByTheirSize) {
     EXPECT_EQ(pooled.firstWeightedQuartile, 0.2f);
     EXPECT_EQ(pooled.weightedMedian, 0.3f);
     EXPECT_EQ(pooled.thirdWeightedQuartile, 0.4f);
-    EXPECT_THAT(pooled.percentiles, testing::ElementsAre(0.2f, 0.4f, 0.4f));
+    ASSERT_EQ(pooled.percentiles.size(), 3u);
+    EXPECT_EQ(pooled.percentiles[0].absError, double(0.2f));
+    EXPECT_EQ(pooled.percentiles[1].absError, double(0.4f));
+    EXPECT_EQ(pooled.percentiles[2].absError, double(0.4f));
     const std::vector<float> zeros(7, 0.0f);
     EXPECT_EQ(poolErrors(zeros).weightedMedian, 0.0);
 }

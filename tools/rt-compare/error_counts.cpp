@@ -20,7 +20,7 @@ std::uint64_t totalOf(const ErrorCounts& counts) {
     return std::accumulate(counts.counts.begin(), counts.counts.end(), std::uint64_t(0));
 }
 
-std::vector<CoarsePlace> locate(const ErrorCounts& counts, const std::vector<double>& percents) {
+std::vector<CoarsePlace> locate(const ErrorCounts& counts, std::span<const double> percents) {
     std::vector<CoarsePlace> places;
     const std::uint64_t total = totalOf(counts);
     if (total == 0) return places;
@@ -51,20 +51,24 @@ struct Slots {
 
 using FineCounts = std::vector<std::uint32_t>; // kFineBins for each slot
 
+void addFine(double absError, const Slots& slots, FineCounts& counts) {
+    const std::uint32_t bits = absErrorBits(absError);
+    const int slot = slots.slotOfBin[bits >> 16];
+    if (slot >= 0) ++counts[static_cast<std::size_t>(slot) * kFineBins + (bits & 0xFFFFu)];
+}
+
 FineCounts countFine(const ChannelPair& channel, const Focus& focus, const Slots& slots) {
     FineCounts counts(slots.bins.size() * kFineBins);
     const std::vector<float>&a = channel.a->values, &b = channel.b->values;
     for (std::size_t i = 0; i < a.size(); ++i) {
         const double absError = std::abs(double(a[i]) - double(b[i]));
         if (!std::isfinite(absError) || (!focus.ignored.empty() && focus.ignored[i])) continue;
-        const std::uint32_t bits = absErrorBits(absError);
-        const int slot = slots.slotOfBin[bits >> 16];
-        if (slot >= 0) ++counts[static_cast<std::size_t>(slot) * kFineBins + (bits & 0xFFFFu)];
+        addFine(absError, slots, counts);
     }
     return counts;
 }
 
-std::vector<Percentile> refine(const std::vector<CoarsePlace>& places, const std::vector<double>& percents,
+std::vector<Percentile> refine(const std::vector<CoarsePlace>& places, std::span<const double> percents,
                                const Slots& slots, const FineCounts& fine) {
     std::vector<Percentile> result;
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -99,7 +103,7 @@ ErrorHistogram histogramOf(const ErrorCounts& counts) {
 
 std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, const Focus& focus,
                                                      const std::vector<ErrorCounts>& channelCounts,
-                                                     const std::vector<double>& percents) {
+                                                     std::span<const double> percents) {
     std::vector<std::vector<CoarsePlace>> places; // of each channel, then of all
     ErrorCounts all;
     Slots slots;
@@ -121,6 +125,17 @@ std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, con
     }
     result.push_back(refine(places.back(), percents, slots, sum));
     return result;
+}
+
+std::vector<Percentile> findPercentiles(std::span<const float> errors, std::span<const double> percents) {
+    ErrorCounts counts;
+    for (const float error : errors) counts.add(error);
+    const std::vector<CoarsePlace> places = locate(counts, percents);
+    Slots slots;
+    slots.add(places);
+    FineCounts fine(slots.bins.size() * kFineBins);
+    for (const float error : errors) addFine(error, slots, fine);
+    return refine(places, percents, slots, fine);
 }
 
 } // namespace rt

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace rt {
@@ -33,6 +34,9 @@ ErrorHistogram histogramOf(const ErrorCounts& counts);
 /// pass over the values that share the upper bits of an answer.
 std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, const Focus& focus,
                                                      const std::vector<ErrorCounts>& channelCounts,
-                                                     const std::vector<double>& percents);
+                                                     std::span<const double> percents);
+
+/// The same of errors >= 0, all of which count.
+std::vector<Percentile> findPercentiles(std::span<const float> errors, std::span<const double> percents);
 
 } // namespace rt

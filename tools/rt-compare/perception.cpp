@@ -54,8 +54,7 @@ FlipFigures figuresOf(const PooledErrors& pooled) {
     figures.firstQuartile = pooled.firstWeightedQuartile;
     figures.weightedMedian = pooled.weightedMedian;
     figures.thirdQuartile = pooled.thirdWeightedQuartile;
-    for (std::size_t i = 0; i < pooled.percentiles.size(); ++i)
-        figures.percentiles.push_back({PooledErrors::kPercents[i], pooled.percentiles[i]});
+    figures.percentiles = pooled.percentiles;
     return figures;
 }
 
