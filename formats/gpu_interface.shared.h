@@ -95,8 +95,8 @@ struct TraceRound {
 RT_SHARED_CONST uint kStageBegin = 0u;   // a batch: its first round
 RT_SHARED_CONST uint kStageAdvance = 1u; // another round
 RT_SHARED_CONST uint kStageResolve = 2u; // samples are added to their pixels
-#define RT_LOCATION_STAGE 0 // uniforms
-#define RT_LOCATION_ROUND 1 // of its group
+#define RT_LOCATION_STAGE 0              // uniforms
+#define RT_LOCATION_ROUND 1              // of its group
 
 RT_SHARED_CONST uint kFilterBox = 0u;
 RT_SHARED_CONST uint kFilterTent = 1u;

@@ -41,9 +41,12 @@ def render(scene, options):
 
 def line(name, report):
     samples = report["samples"]["mean"]
+    stages = report["deviceStages"]
+    whole = sum(stages.values())
     rays = report["raysTotal"] / (report["width"] * report["height"] * samples)
     return (f"{name:20} {report['atlas']['triangles']:>9,} triangles {report['gpuMs'] / samples:9.2f} ms a sample "
-            f"{rays:6.2f} rays a sample {report['mraysPerSecond']:8.1f} Mrays/s")  # fmt: skip
+            f"{rays:6.2f} rays a sample {report['mraysPerSecond']:8.1f} Mrays/s "
+            f"({', '.join(f'{name[:-2]} {100 * ms / whole:.0f} %' for name, ms in stages.items())})")  # fmt: skip
 
 
 def parse_options():

@@ -12,9 +12,9 @@
 namespace rt {
 namespace {
 
-/// Takes the samples of `tiles` again with a variant that counts.
-WorkTotals countWork(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
-                     const TileSamples& rendered) {
+/// Takes the samples again with a variant that counts, and sees how long the parts of that take.
+void countWork(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
+               Picture& picture) {
     ResourcePlan plan = scene.plan;
     plan.features.countWork = 1;
     const GpuPrograms programs = compileVariant(plan, scene.shaderCache());
@@ -23,10 +23,11 @@ WorkTotals countWork(const TraceOptions& options, const GpuScene& scene, const P
     GpuView view(setup.camera, setup.params, setup.lights, plan.features, limits, scene.mostSamples);
     view.bind();
     film.bind();
-    TileSamples tiles = rendered;
+    view.measure(picture.stageTimes);
+    TileSamples tiles = picture.tiles;
     for (TileSamples::Tile& tile : tiles.tiles()) tile = {0, tile.samples};
     renderTiles(programs, view, film, *scene.context, tiles, {});
-    return sumWork(film.readCounters(rendered.window()));
+    picture.work = sumWork(film.readCounters(tiles.window()));
 }
 
 // Between checkpoints, or from the one that is resumed to the end.
@@ -76,7 +77,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
         picture.pixels.materials = materialsOf(picture.pixels.ids, scene.file.atlas.triangleVertices);
     stages.end();
     requireWholePixels(options, picture.pixels);
-    if (options.stats) picture.work = countWork(options, scene, setup, picture.tiles);
+    if (options.stats) countWork(options, scene, setup, picture);
     if (options.heat != Heat::None)
         picture.heatMost = paintHeat(picture.pixels, options.heat, options.heatMost);
     return picture;

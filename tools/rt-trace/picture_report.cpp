@@ -57,6 +57,9 @@ nlohmann::json figuresOf(const Picture& picture, const TraceOptions& options, co
     if (picture.work) {
         reportWork(figures, *picture.work, picture.figures.gpuMs);
         figures["selfHits"] = picture.work->selfHits;
+        const StageTimes& times = picture.stageTimes;
+        figures["deviceStages"] = {
+            {"traceMs", times.traceMs}, {"shadeMs", times.shadeMs}, {"resolveMs", times.resolveMs}};
     }
     return figures;
 }

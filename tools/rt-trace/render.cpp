@@ -89,7 +89,7 @@ void GpuView::renderBatch(const GpuPrograms& programs, const glm::uvec4& region,
     params.samples.y = count;
     updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
-    slots_.render(programs, samplesIn(region) * count);
+    slots_.render(programs, samplesIn(region) * count, times_);
 }
 
 void GpuView::render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count) {

@@ -35,6 +35,8 @@ public:
     void bind() const;
     /// Renders `count` samples from `first` on of each pixel of a region, [xy, zw).
     void render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count);
+    /// From now on the times of all that is rendered are added there, which makes it slower.
+    void measure(StageTimes& times) { times_ = &times; }
     /// Dispatches the programs without rendering anything.
     void warmUp(const GpuPrograms& programs) { renderBatch(programs, glm::uvec4(0), 0, 0); }
 
@@ -44,6 +46,7 @@ private:
     RenderParams params_;
     GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_;
     SampleSlots slots_;
+    StageTimes* times_ = nullptr;
 };
 
 /// Makes the driver finish compiling for what is bound: some do so at the first dispatch only.

@@ -1,5 +1,6 @@
 #include "tools/rt-trace/sample_slots.h"
 
+#include "common/stage_timer.h"
 #include "formats/gpu_interface.shared.h"
 
 #include <epoxy/gl.h>
@@ -36,16 +37,30 @@ void use(const GlProgram& program, unsigned stage, unsigned round) {
     glUniform1ui(RT_LOCATION_ROUND, round);
 }
 
+// What `work` gives the device to do; `ms` is where its time is added, if anybody wants to know.
+template <class Work>
+void timed(double* ms, const Work& work) {
+    if (!ms) return work();
+    glFinish();
+    const double beginMs = programMs();
+    work();
+    glFinish();
+    *ms += programMs() - beginMs;
+}
+
 // Of `samples`, or of those in the round's queue.
-void traceAndShade(const GpuPrograms& programs, unsigned stage, unsigned round, unsigned samples) {
-    for (const GlProgram* program : {&programs.trace, &programs.shade}) {
+void traceAndShade(const GpuPrograms& programs, unsigned stage, unsigned round, unsigned samples,
+                   StageTimes* times) {
+    const auto run = [&](const GlProgram& program) {
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-        use(*program, stage, round);
+        use(program, stage, round);
         if (stage == kStageBegin)
             glDispatchCompute(groupsFor(samples), 1, 1);
         else
             glDispatchComputeIndirect(static_cast<GLintptr>(sizeof(TraceRound) * round));
-    }
+    };
+    timed(times ? &times->traceMs : nullptr, [&] { run(programs.trace); });
+    timed(times ? &times->shadeMs : nullptr, [&] { run(programs.shade); });
 }
 
 GlBuffer createNoRounds() {
@@ -89,9 +104,9 @@ bool SampleSlots::isWanted(unsigned round) {
     return answer.groups.x > 0;
 }
 
-void SampleSlots::render(const GpuPrograms& programs, unsigned samples) {
+void SampleSlots::render(const GpuPrograms& programs, unsigned samples, StageTimes* times) {
     copyRounds(noRounds_, 0, rounds_, 0, kRoundsInGroup + 1);
-    traceAndShade(programs, kStageBegin, 0, samples);
+    traceAndShade(programs, kStageBegin, 0, samples, times);
     unsigned round = 1, taken = 0, due = expected_;
     do {
         if (round == kRoundsInGroup) { // becomes the next group's first
@@ -102,12 +117,14 @@ void SampleSlots::render(const GpuPrograms& programs, unsigned samples) {
         }
         const unsigned end = std::min(round + due, kRoundsInGroup);
         taken += end - round;
-        for (; round < end; ++round) traceAndShade(programs, kStageAdvance, round, 0);
+        for (; round < end; ++round) traceAndShade(programs, kStageAdvance, round, 0, times);
         due = kMoreRounds;
     } while (isWanted(round));
     expected_ = taken;
-    use(programs.shade, kStageResolve, 0);
-    glDispatchCompute(groupsFor(samples), 1, 1);
+    timed(times ? &times->resolveMs : nullptr, [&] {
+        use(programs.shade, kStageResolve, 0);
+        glDispatchCompute(groupsFor(samples), 1, 1);
+    });
 }
 
 } // namespace rt

@@ -8,6 +8,13 @@
 
 namespace rt {
 
+/// Milliseconds on the host's clock that the device takes for the parts of its work.
+struct StageTimes {
+    double traceMs = 0.0;
+    double shadeMs = 0.0;
+    double resolveMs = 0.0;
+};
+
 /// Room on the device for the samples of a batch, and the rounds that trace one ray of each.
 class SampleSlots {
 public:
@@ -20,8 +27,9 @@ public:
     void bind() const;
     /// Samples that there is room for.
     unsigned count() const { return count_; }
-    /// Renders a batch of so many, with the parameters that are bound.
-    void render(const GpuPrograms& programs, unsigned samples);
+    /// Renders a batch of so many, with the parameters that are bound. With `times` the device is awaited
+    /// after each part, whose time is added.
+    void render(const GpuPrograms& programs, unsigned samples, StageTimes* times = nullptr);
 
 private:
     bool isWanted(unsigned round);
