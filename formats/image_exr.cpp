@@ -6,6 +6,7 @@
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfEnvmapAttribute.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
@@ -18,6 +19,7 @@
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfTiledInputPart.h>
+#include <OpenEXR/ImfVecAttribute.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -238,7 +240,22 @@ void readAttributes(const Imf::Header& header, Image& image) {
             image.ints[key] = value->value();
         if (const auto* m = dynamic_cast<const Imf::M44fAttribute*>(&a.attribute()))
             image.matrices[key].assign(&m->value()[0][0], &m->value()[0][0] + 16);
+        if (const auto* d = dynamic_cast<const Imf::M44dAttribute*>(&a.attribute())) {
+            const Imath::M44f m(d->value());
+            image.matrices[key].assign(&m[0][0], &m[0][0] + 16);
+        }
     }
+}
+
+void readCamera(const Imf::Header& header, PicturePart& part) {
+    if (const auto* width = header.findTypedAttribute<Imf::FloatAttribute>("screenWindowWidth"))
+        part.camera["screenWindowWidth"] = fmt::format("{}", width->value());
+    if (const auto* center = header.findTypedAttribute<Imf::V2fAttribute>("screenWindowCenter"))
+        part.camera["screenWindowCenter"] = fmt::format("{} {}", center->value().x, center->value().y);
+    if (const auto* view = header.findTypedAttribute<Imf::StringAttribute>("view"))
+        part.camera["view"] = view->value();
+    if (const auto* map = header.findTypedAttribute<Imf::EnvmapAttribute>("envmap"))
+        part.camera["envmap"] = map->value() == Imf::ENVMAP_CUBE ? "cube" : "latlong";
 }
 
 // One value for each block of pixels becomes one for each pixel.
@@ -309,6 +326,7 @@ PicturePart readPart(Imf::MultiPartInputFile& file, int index, const Imf::Header
     if (header.hasName()) part.name = header.name();
     part.dataWindow = boxOf(layout.window);
     part.displayWindow = displayWindowOf(header, layout);
+    readCamera(header, part);
     if (header.find("pixelAspectRatio") != header.end()) part.pixelAspect = header.pixelAspectRatio();
     if (const auto* found = header.findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities")) {
         const Imf::Chromaticities& c = found->value();

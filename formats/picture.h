@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -34,6 +35,9 @@ struct PicturePart {
     PixelBox dataWindow;      ///< where the pixels of `image` lie: dataWindow.width() is image.width
     PixelBox displayWindow;   ///< the whole picture
     float pixelAspect = 1.0f; ///< width of a pixel over its height
+    /// What an EXR says of its camera beside matrices, as text: screenWindowWidth, screenWindowCenter, view,
+    /// envmap (the last two if given). Other formats have what EXR has if nothing is said.
+    std::map<std::string, std::string> camera{{"screenWindowCenter", "0 0"}, {"screenWindowWidth", "1"}};
     std::optional<std::array<float, 8>> chromaticities; ///< CIE x, y of red, green, blue and white
     Image image; ///< channels and other attributes; its `frame` is not set
 };

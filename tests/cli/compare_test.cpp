@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <random>
 
 namespace rt::test {
 namespace {
@@ -74,8 +75,9 @@ TEST_F(CompareCli, DifferentImagesFailWithExitCode1) {
 }
 
 TEST_F(CompareCli, MaxRmseMovesTheVerdict) {
-    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "0.36"}).exitCode, 0);
-    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "0.35"}).exitCode, 1);
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "0.36", "--ignore-channels", "id"}).exitCode, 0);
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "0.35", "--ignore-channels", "id"}).exitCode, 1);
+    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "0.36"}).exitCode, 1); // ids differ
 }
 
 TEST_F(CompareCli, ABlackFrameFailsWithinAnyLimit) {
@@ -159,9 +161,13 @@ TEST_F(CompareCli, LimitsMayNameLayersAndFigures) {
         compare({"zero.exr", "half.exr", "--max-rmse", "color=0.36", "--max-differing", "id=0.5"}).exitCode,
         0);
     EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-rmse", "color=0.36"}).exitCode, 1); // ids differ
-    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-abs", "0.5", "--max-over", "0.4:0.5"}).exitCode, 0);
-    EXPECT_EQ(compare({"zero.exr", "half.exr", "--max-percentile", "50:0", "--min-psnr", "9"}).exitCode, 0);
-    EXPECT_EQ(compare({"zero.exr", "half.exr", "--min-psnr", "9.1"}).exitCode, 1); // 9.03 dB
+    const auto withoutIds = [&](std::vector<std::string> limits) {
+        limits.insert(limits.begin(), {"zero.exr", "half.exr", "--ignore-channels", "id"});
+        return compare(limits).exitCode;
+    };
+    EXPECT_EQ(withoutIds({"--max-abs", "0.5", "--max-over", "0.4:0.5"}), 0);
+    EXPECT_EQ(withoutIds({"--max-percentile", "50:0", "--min-psnr", "9"}), 0);
+    EXPECT_EQ(withoutIds({"--min-psnr", "9.1"}), 1); // 9.03 dB
     const CommandResult result = compare({"zero.exr", "half.exr", "--max-rmse", "1", "--max-abs", "R=0.1"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_THAT(result.out, HasSubstr("fails: limit: R: maximum |a-b| 0.5 exceeds 0.1\n"));
@@ -193,6 +199,11 @@ TEST_F(CompareCli, FoldersAreComparedByRelativeName) {
     CommandResult result = compare({a, b});
     EXPECT_EQ(result.exitCode, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("2 pairs: 2 pass, 0 differ, 0 without a verdict\n"));
+    EXPECT_THAT(result.err, HasSubstr("1 files are not compared"));
+    EXPECT_THAT(result.err, HasSubstr("a/notes.txt"));
+    result = compare({a, b, "--json", b + "/one.exr"});
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_THAT(result.err, HasSubstr("b/one.exr is an input and an output"));
     put("half.exr", "a/extra.exr");
     result = compare({a, b});
     EXPECT_EQ(result.exitCode, 1);
@@ -211,6 +222,14 @@ TEST_F(CompareCli, FoldersAreComparedByRelativeName) {
     EXPECT_THAT(result.out, HasSubstr("a/one.exr: is not an OpenEXR file"));
     EXPECT_THAT(result.out, HasSubstr("4 pairs: 2 pass, 1 differ, 1 without a verdict\n"));
     std::filesystem::create_directory(folder_.file("empty"));
+    result = compare({a, folder_.file("empty"), "--allow", "files"});
+    EXPECT_EQ(result.exitCode, 1) << "nothing was compared";
+    std::filesystem::create_directory_symlink(folder_.file("b"), folder_.file("empty/link"));
+    EXPECT_THAT(compare({folder_.file("empty"), folder_.file("empty")}).out, HasSubstr("4 pairs: 4 pass"));
+    std::filesystem::remove(folder_.file("empty/link"));
+    std::filesystem::create_symlink("nowhere.exr", folder_.file("empty/broken.exr"));
+    EXPECT_EQ(compare({folder_.file("empty"), folder_.file("empty")}).exitCode, 3);
+    std::filesystem::remove(folder_.file("empty/broken.exr"));
     expectError(compare({folder_.file("empty"), folder_.file("empty")}), 4, "hold no pictures");
 }
 
@@ -223,6 +242,7 @@ TEST_F(CompareCli, SequencesArePairedByNumber) {
     CommandResult result = compare({"a.%04d.exr", "b.%04d.exr"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_THAT(result.out, HasSubstr("3 pairs: 2 pass, 1 differ"));
+    EXPECT_THAT(result.err, HasSubstr("12342 numbers between the first and the last"));
     write("b.0003.exr", {0.0f, 0.0f});
     EXPECT_THAT(compare({"a.%04d.exr", "b.%04d.exr"}).out,
                 HasSubstr("b.0003.exr: is only among the second images"));
@@ -239,6 +259,7 @@ TEST_F(CompareCli, AListNamesThePairs) {
     EXPECT_EQ(compare({"--list", "-"}, list).exitCode, 1);
     expectError(compare({"--list", "-"}, "one\n"), 4, "standard input: line 1 does not name two files");
     expectError(compare({"--list", "-"}, ""), 4, "names no files");
+    expectError(compare({"--list", "/dev/zero"}), 5, "lists of more than 64 MiB");
 }
 
 TEST_F(CompareCli, SelfTestShowsThatEveryFaultIsCaught) {
@@ -255,13 +276,36 @@ TEST_F(CompareCli, SelfTestShowsThatEveryFaultIsCaught) {
     EXPECT_EQ(result.exitCode, 0) << result.err;
     EXPECT_THAT(result.out, testing::ContainsRegex("error of 1 % +below limits +ok"));
     EXPECT_THAT(result.out, testing::ContainsRegex("gamma 2.2 applied +caught +ok"));
+    write("black.exr", {0.0f, 0.0f}); // in which an error of 1 ulp is no black any more
+    EXPECT_EQ(compare({"--self-test", "black.exr"}).exitCode, 0);
+    EXPECT_EQ(compare({"--self-test", "black.exr", "--max-rmse", "1"}).exitCode, 0);
     expectError(compare({"--self-test", "nan.exr"}), 4, "does not pass against itself");
 }
 
+// As two seeds' renders of something grey.
+void writeNoise(const std::string& path, unsigned seed, float gain) {
+    Image image;
+    image.width = image.height = 128;
+    std::mt19937 random(seed);
+    std::normal_distribution<float> noise(0.0f, 0.05f);
+    for (const char* channel : {"B", "G", "R"}) {
+        std::vector<float> values(image.pixelCount());
+        for (float& value : values) value = gain * (0.5f + noise(random));
+        image.channels.push_back({channel, ImageChannel::Type::Float, values, {}});
+    }
+    writeImage(path, image);
+}
+
 TEST_F(CompareCli, NoiseIsJudgedAsNoise) {
+    writeNoise(folder_.file("seed1.exr"), 1, 1.0f);
+    writeNoise(folder_.file("seed2.exr"), 2, 1.0f);
+    writeNoise(folder_.file("brighter.exr"), 2, 1.02f);
+    const CommandResult result = compare({"seed1.exr", "seed2.exr", "--noise"});
+    EXPECT_EQ(result.exitCode, 0) << result.out;
+    EXPECT_EQ(compare({"seed1.exr", "brighter.exr", "--noise"}).exitCode, 1);
+    EXPECT_EQ(compare({"seed1.exr", "seed2.exr"}).exitCode, 1);
     write("noise.exr", {0.25f, 0.001f});
-    EXPECT_EQ(compare({"zero.exr", "noise.exr", "--noise"}).exitCode, 0);
-    EXPECT_EQ(compare({"zero.exr", "noise.exr"}).exitCode, 1);
+    EXPECT_EQ(compare({"zero.exr", "noise.exr", "--noise"}).exitCode, 1) << "too few pixels to tell";
     expectError(compare({"zero.exr", "noise.exr", "--second-seed", "absent.exr"}), 3, "absent.exr");
 }
 

@@ -120,6 +120,34 @@ TEST(NoiseTest, CatchesSmallDifferencesWhereThereIsNoNoise) {
     EXPECT_GT(testNoise(a, b).significantPixels, 1000u);
 }
 
+TEST(NoiseTest, PicturesTooSmallToTellDoNotPass) {
+    const auto constant = [](std::uint32_t side, float value) {
+        return imageOf(side, side, {floats("Y", std::vector<float>(std::size_t(side) * side, value))});
+    };
+    for (const std::uint32_t side : {1u, 16u, 32u}) {
+        EXPECT_FALSE(testNoise(constant(side, 50.0f), constant(side, 1.0f)).passed()) << side;
+        EXPECT_FALSE(testNoise(constant(side, 1.1f), constant(side, 1.0f)).passed()) << side;
+        EXPECT_TRUE(testNoise(constant(side, 1.0f), constant(side, 1.0f)).passed()) << side;
+        EXPECT_TRUE(testNoise(constant(side, 1.0f + 0x1p-20f), constant(side, 1.0f)).passed()) << side;
+    }
+    EXPECT_FALSE(testNoise(constant(64, 1.1f), constant(64, 1.0f)).passed()) << "which is large enough";
+}
+
+TEST(NoiseTest, CatchesTilesThatAreLostOrMuchTooBright) {
+    const Sampler flat = [](std::mt19937_64&, std::uint32_t, std::uint32_t) { return 0.7; };
+    for (const Sampler& sampler : {Sampler(gaussian), flat})
+        for (const float factor : {0.0f, 50.0f})
+            for (const std::uint32_t side : {8u, 16u, 32u}) {
+                Image a = render(11, sampler, 64);
+                const Image b = render(12, sampler, 64);
+                ASSERT_TRUE(testNoise(a, b).passed());
+                scaleIn(a, 64, 64 + side, factor);
+                a.channels.pop_back(); // no variances
+                EXPECT_FALSE(testNoise(a, imageOf(kSize, kSize, {b.channels[0]})).passed())
+                    << factor << " in " << side;
+            }
+}
+
 TEST(NoiseTest, RoundingIsNoDifference) {
     const Sampler flat = [](std::mt19937_64&, std::uint32_t, std::uint32_t) { return 0.7; };
     Image a = render(9, flat, 4);

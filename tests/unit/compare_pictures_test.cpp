@@ -4,6 +4,7 @@
 #include "tests/support/test_pictures.h"
 #include "tools/rt-compare/compare.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -287,6 +288,53 @@ TEST(ComparePictures, LayersThatDifferWithoutALimitAreNoted) {
     const Comparison c = compare(picture(), withValue(3, 0, 0.0f), options);
     EXPECT_TRUE(c.passed());
     EXPECT_THAT(c.notes, ElementsAre(HasSubstr("no limit holds Z, which differ")));
+}
+
+TEST(ComparePictures, WhatTheCameraIsMustBeTheSame) {
+    for (const char* name : {"screenWindowWidth", "screenWindowCenter", "view", "envmap"}) {
+        Picture other = picture();
+        other.parts[0].camera[name] = std::string("2");
+        EXPECT_THAT(failuresOf(other, picture()),
+                    ElementsAre(HasSubstr(fmt::format("{} differs: 2 against", name))));
+        EXPECT_THAT(failuresOf(other, picture(), allowing("camera")), IsEmpty());
+    }
+}
+
+TEST(ComparePictures, IdsMustBeEqualUnlessALimitNamesThem) {
+    const auto withIds = [](std::uint32_t id) {
+        return pictureOf(imageOf(1, 1, {floats("Y", {1}), uints("id", {id})}));
+    };
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}};
+    EXPECT_THAT(failuresOf(withIds(7), withIds(8), options),
+                ElementsAre(HasSubstr("id: fraction of pixels that differ 1 exceeds 0")));
+    EXPECT_THAT(failuresOf(withIds(7), withIds(7), options), IsEmpty());
+    options.limits.push_back({Metric::Differing, "id", 0, 1});
+    EXPECT_THAT(failuresOf(withIds(7), withIds(8), options), IsEmpty());
+}
+
+TEST(ComparePictures, LayersWhoseChannelsAreCalledOtherwiseMustNotBeBlackEither) {
+    const auto withBeauty = [](float value) {
+        return pictureOf(imageOf(
+            1, 1, {floats("B", {1}), floats("G", {1}), floats("R", {1}), floats("beauty.r", {value})}));
+    };
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}};
+    EXPECT_THAT(failuresOf(withBeauty(0), withBeauty(1), options),
+                ElementsAre(HasSubstr("the first image is 0 everywhere, the second is not")));
+    EXPECT_THAT(failuresOf(withBeauty(2), withBeauty(1), options), IsEmpty());
+}
+
+TEST(ComparePictures, NamesOfChannelsThatNoPictureHasAreNotTakenInSilence) {
+    CompareOptions options;
+    options.focus.onlyChannels = {"color", "difuse"};
+    EXPECT_THAT(failuresOf(picture(), picture(), options),
+                ElementsAre(HasSubstr("no channel or layer is called difuse, which --channels names")));
+    options.focus.onlyChannels = {"color"};
+    options.focus.withoutChannels = {"X"};
+    const Comparison c = compare(picture(), picture(), options);
+    EXPECT_TRUE(c.passed());
+    EXPECT_THAT(c.notes, Contains(HasSubstr("called X, which --ignore-channels names")));
 }
 
 TEST(ComparePictures, ALimitThatHoldsNothingIsNoPass) {

@@ -5,6 +5,7 @@
 #include "tools/rt-compare/junit_report.h"
 #include "tools/rt-compare/pool_errors.h"
 #include "tools/rt-compare/ssim.h"
+#include "tools/rt-compare/text_report.h"
 
 #include "formats/heat_color.h"
 
@@ -242,6 +243,24 @@ TEST(JsonReport, HoldsWhatWasFound) {
     EXPECT_EQ(report.at("checks").at(0).at("limit"), 0.5);
     EXPECT_EQ(report.at("checks").at(0).at("passed"), true);
     EXPECT_EQ(report.at("exitCode"), 0);
+}
+
+TEST(TextReport, NamesMakeNoLinesOfTheirOwn) {
+    const std::string name = "Z\nverdict: pass\n\x1b[2J";
+    ComparedPair compared = comparePictures(pictureOf(1, 1, {floats(name.c_str(), {1})}),
+                                            pictureOf(1, 1, {floats(name.c_str(), {2})}), {});
+    const PairResult result = resultOf(compared);
+    const std::string text = textReport(result, &compared.pair, false);
+    EXPECT_THAT(text, HasSubstr("Z\\x0averdict: pass\\x0a\\x1b[2J: RMSE 1"));
+    EXPECT_THAT(text, Not(HasSubstr("\nverdict: pass")));
+    EXPECT_THAT(text, HasSubstr("\nverdict: fail\n"));
+    EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+}
+
+TEST(TextReport, SaysThatMissingFilesAreAllowed) {
+    const PairResult missing{"a.exr", "", {}, "a.exr: is only among the first images", 0};
+    EXPECT_EQ(textReport(missing, nullptr, false),
+              "allowed: files: a.exr: is only among the first images\nverdict: pass\n");
 }
 
 TEST(JsonReport, OfSeveralPairsTellsTheWorstVerdict) {

@@ -7,12 +7,15 @@
 #include "tests/support/temporary_folder.h"
 
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfEnvmapAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfMultiPartOutputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfOutputPart.h>
 #include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfTiledOutputPart.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -343,6 +346,28 @@ TEST(PictureExr, SubsampledChannelsHoldForTheirBlocks) {
             EXPECT_EQ(chroma[y * 8 + x], static_cast<float>(y / 2 * 4 + x / 2));
     EXPECT_THROW(decodeExr(bytes, "test"), Error) << "the environment of rt-trace wants R G B";
     expectSafe(bytes, 1);
+}
+
+TEST(PictureExr, TheCameraIsRead) {
+    const test::TemporaryFolder folder;
+    Imf::Header header(1, 1, 1.0f, Imath::V2f(0.25f, -1.0f), 2.5f);
+    header.insert("worldToCamera", Imf::M44dAttribute(Imath::M44d(3.0)));
+    header.insert("view", Imf::StringAttribute("left"));
+    header.insert("envmap", Imf::EnvmapAttribute(Imf::ENVMAP_CUBE));
+    header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+    const float value = 1.0f;
+    Imf::FrameBuffer frame;
+    frame.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(const_cast<float*>(&value)), 4, 4));
+    {
+        Imf::OutputFile file(folder.file("c.exr").c_str(), header);
+        file.setFrameBuffer(frame);
+        file.writePixels(1);
+    }
+    const PicturePart part = readPicture(folder.file("c.exr"), {}).parts.at(0);
+    EXPECT_THAT(part.camera,
+                ElementsAre(testing::Pair("envmap", "cube"), testing::Pair("screenWindowCenter", "0.25 -1"),
+                            testing::Pair("screenWindowWidth", "2.5"), testing::Pair("view", "left")));
+    EXPECT_EQ(part.image.matrices.at("worldToCamera"), std::vector<float>(16, 3.0f));
 }
 
 TEST(PictureExr, OtherCompressionsAreReadOnlyWhenTrusted) {

@@ -1,6 +1,7 @@
 #include "tools/rt-compare/compare.h"
 
 #include "tools/rt-compare/alignment.h"
+#include "tools/rt-compare/layers.h"
 #include "tools/rt-compare/non_finite.h"
 
 #include <fmt/format.h>
@@ -18,18 +19,20 @@ bool isZero(const ValueRange& range) {
 void findBlack(const std::set<std::string>& allowed, Comparison& comparison) {
     std::vector<Finding> found;
     for (const LayerComparison& layer : comparison.layers) {
-        if (layer.kind != LayerKind::Color) continue;
+        if (layer.kind == LayerKind::Ids) continue;
         bool isBlackA = true, isBlackB = true;
         for (const ChannelComparison& channel : layer.channels) {
-            if (channel.name.ends_with("A")) continue;
+            if (layer.kind == LayerKind::Color && channel.name.ends_with("A")) continue;
             isBlackA = isBlackA && isZero(channel.figures.a);
             isBlackB = isBlackB && isZero(channel.figures.b);
         }
         if (isBlackA != isBlackB)
-            found.push_back({"black",
-                             fmt::format("{}: the {} image is black everywhere, the {} is not", layer.name,
-                                         isBlackA ? "first" : "second", isBlackA ? "second" : "first"),
-                             !allowed.contains("black")});
+            found.push_back(
+                {"black",
+                 fmt::format("{}: the {} image is {} everywhere, the {} is not", layer.name,
+                             isBlackA ? "first" : "second", layer.kind == LayerKind::Color ? "black" : "0",
+                             isBlackA ? "second" : "first"),
+                 !allowed.contains("black")});
     }
     std::ranges::move(found, std::back_inserter(comparison.findings));
 }
@@ -54,9 +57,26 @@ void noteUngated(Comparison& comparison) {
             fmt::join(names, ", ")));
 }
 
+// A name that is mistyped would leave out more, or less, than was meant.
+void findUnknownNames(const Picture& a, const Picture& b, const FocusOptions& focus, Comparison& comparison) {
+    for (const std::string& name : unknownNames(a, b, focus.onlyChannels))
+        comparison.findings.push_back(
+            {"nothing", fmt::format("no channel or layer is called {}, which --channels names", name), true});
+    for (const std::string& name : unknownNames(a, b, focus.withoutChannels))
+        comparison.notes.push_back(
+            fmt::format("no channel or layer is called {}, which --ignore-channels names", name));
+}
+
 void addNoiseFindings(Comparison& comparison) {
     if (!comparison.noise || comparison.noise->passed()) return;
     const NoiseTest& noise = *comparison.noise;
+    if (!noise.tooSmall.empty())
+        comparison.findings.push_back(
+            {"noise",
+             fmt::format("{} differ, in too few pixels to tell that from noise; compare them with limits "
+                         "instead",
+                         fmt::join(noise.tooSmall, ", ")),
+             true});
     if (noise.significantPixels > 0)
         comparison.findings.push_back(
             {"noise",
@@ -91,6 +111,7 @@ void noteSamples(const PreparedPair& pair, Comparison& comparison) {
 
 ComparedPair comparePictures(Picture&& a, Picture&& b, const CompareOptions& options) {
     Comparison result;
+    findUnknownNames(a, b, options.focus, result);
     PreparedPair pair =
         preparePair(std::move(a), std::move(b), options.focus, options.allowed, result.findings);
     result.scale = pair.a.scale;

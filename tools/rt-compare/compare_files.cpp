@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace rt {
@@ -71,10 +72,13 @@ Outcome compareOneOfMany(const FilePair& pair, const Options& options, const Pic
 
 int comparePairs(const std::vector<FilePair>& pairs, const Options& options, const PairSink& sink) {
     const std::optional<Picture> mask = readOptional(options.maskPath, options.reading);
+    Options effective = options;
+    if (std::ranges::all_of(pairs, [](const FilePair& pair) { return pair.a.empty() || pair.b.empty(); }))
+        effective.compare.allowed.erase("files"); // else nothing at all would be compared, and pass
     int exitCode = 0;
     for (const FilePair& pair : pairs) {
         const auto compareIt = pairs.size() == 1 ? comparePair : compareOneOfMany;
-        const Outcome outcome = compareIt(pair, options, mask ? &*mask : nullptr);
+        const Outcome outcome = compareIt(pair, effective, mask ? &*mask : nullptr);
         sink(outcome.result, outcome.pair ? &*outcome.pair : nullptr);
         if (exitCode <= kExitImagesDiffer) exitCode = std::max(exitCode, outcome.result.exitCode);
     }

@@ -180,7 +180,8 @@ struct NoiseTest {
     };
     std::vector<Region> significantRegions; ///< least probable first, at most 10
     std::uint64_t significantRegionCount = 0;
-    bool passed() const { return significantPixels == 0 && significantRegionCount == 0; }
+    std::vector<std::string> tooSmall; ///< channels that differ, of too few pixels to tell that from noise
+    bool passed() const { return significantPixels == 0 && significantRegionCount == 0 && tooSmall.empty(); }
 };
 
 /// One thing found that the pictures differ in or that should not be in them.

@@ -2,6 +2,7 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
+#include "common/log.h"
 
 #include <fmt/format.h>
 
@@ -48,12 +49,22 @@ bool isPicture(const fs::path& path) {
 
 std::map<std::string, std::string> picturesIn(const std::string& folder) {
     std::map<std::string, std::string> files; // relative name: path
-    std::error_code failure;
-    fs::recursive_directory_iterator entry(folder, failure);
-    for (; !failure && entry != fs::recursive_directory_iterator(); entry.increment(failure))
-        if (entry->is_regular_file() && isPicture(entry->path()))
+    std::set<std::string> others;
+    std::error_code failure, ignored;
+    fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink, failure);
+    for (; !failure && entry != fs::recursive_directory_iterator(); entry.increment(failure)) {
+        const bool isBrokenLink = !entry->exists(ignored); // reading it will say so
+        if (!isBrokenLink && !entry->is_regular_file(ignored)) continue;
+        if (isPicture(entry->path()))
             files[entry->path().lexically_relative(folder).generic_string()] = entry->path().string();
+        else
+            others.insert(entry->path().string());
+    }
     if (failure) throwUnreadable(folder, failure);
+    if (!others.empty())
+        logWarning(fmt::format("{}: {} files are not compared, for their names do not end as images' do; the "
+                               "first is {}",
+                               folder, others.size(), *others.begin()));
     return files;
 }
 
@@ -97,6 +108,27 @@ struct Sequence {
     }
 };
 
+std::vector<FilePair> pairUpNumbers(const Sequence& a, const Sequence& b) {
+    const auto inA = a.files(), inB = b.files();
+    std::set<std::uint64_t> numbers;
+    for (const auto& [number, path] : inA) numbers.insert(number);
+    for (const auto& [number, path] : inB) numbers.insert(number);
+    std::uint64_t missing = 0;
+    std::optional<std::uint64_t> first, before;
+    for (const std::uint64_t number : numbers) {
+        if (before && number > *before + 1) {
+            if (missing == 0) first = *before + 1;
+            missing += number - *before - 1;
+        }
+        before = number;
+    }
+    if (first)
+        logWarning(fmt::format("{} numbers between the first and the last have no image in either sequence; "
+                               "the first is {}",
+                               missing, *first));
+    return pairUp(inA, inB);
+}
+
 std::vector<FilePair> requireSome(std::vector<FilePair> pairs, const std::string& a, const std::string& b) {
     if (pairs.empty())
         throw Error(ErrorKind::InvalidContent, fmt::format("{} and {}: hold no pictures", a, b));
@@ -110,13 +142,17 @@ std::vector<FilePair> findPairs(const std::string& a, const std::string& b) {
     if (fs::is_directory(a, ignored) && fs::is_directory(b, ignored))
         return requireSome(pairUp(picturesIn(a), picturesIn(b)), a, b);
     const std::optional<Sequence> inA = Sequence::parse(a), inB = Sequence::parse(b);
-    if (inA && inB && !fs::exists(a, ignored)) return requireSome(pairUp(inA->files(), inB->files()), a, b);
+    if (inA && inB && !fs::exists(a, ignored)) return requireSome(pairUpNumbers(*inA, *inB), a, b);
     return {{a, b}};
 }
 
 std::vector<FilePair> readPairList(const std::string& path) {
-    const auto bytes = readFile(path);
+    static constexpr std::uint64_t kMaxBytes = std::uint64_t(64) << 20; // for streams may have no end
+    const auto bytes = readFile(path, {0, [](auto) { return std::optional(kMaxBytes); }, std::nullopt});
     const std::string name = path == "-" ? "standard input" : path;
+    if (bytes.size() > kMaxBytes)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: lists of more than {} MiB are not read", name, kMaxBytes >> 20));
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::vector<FilePair> pairs;
     std::size_t number = 0;

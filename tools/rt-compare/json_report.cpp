@@ -131,6 +131,7 @@ Json describeNoise(const NoiseTest& noise) {
             {"regions", noise.regions},
             {"significantRegionCount", noise.significantRegionCount},
             {"significantRegions", regions},
+            {"tooSmall", noise.tooSmall},
             {"passed", noise.passed()}};
 }
 

@@ -114,6 +114,21 @@ std::vector<std::string> describeChannelDifferences(const Image& a, const Image&
     return texts;
 }
 
+std::vector<std::string> unknownNames(const Picture& a, const Picture& b,
+                                      const std::vector<std::string>& names) {
+    std::vector<std::string> unknown;
+    for (const std::string& name : names) {
+        const auto knows = [&](const PicturePart& part) {
+            return std::ranges::any_of(part.image.channels, [&](const ImageChannel& channel) {
+                return isMeant(part.image, channel, {name});
+            });
+        };
+        if (std::ranges::none_of(a.parts, knows) && std::ranges::none_of(b.parts, knows))
+            unknown.push_back(name);
+    }
+    return unknown;
+}
+
 void selectChannels(Image& image, const FocusOptions& options) {
     std::vector<ImageChannel> kept;
     std::vector<bool> isKept;

@@ -21,6 +21,10 @@ std::vector<LayerPair> pairLayers(const Image& a, const Image& b, std::size_t pa
 std::vector<std::string> describeChannelDifferences(const Image& a, const Image& b,
                                                     const std::string& prefix);
 
+/// Those of `names` that mean no channel of either picture.
+std::vector<std::string> unknownNames(const Picture& a, const Picture& b,
+                                      const std::vector<std::string>& names);
+
 /// Removes the channels that the options leave out; `where` is the name of their layer or their own.
 void selectChannels(Image& image, const FocusOptions& options);
 

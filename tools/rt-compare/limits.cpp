@@ -58,7 +58,7 @@ public:
             for (const Limit* limit : limits) check(*limit, layer.name, valueOf(*limit, layer));
             const bool hasChannelLimit = checkChannels(layer);
             if (!limits.empty() || hasChannelLimit || tolerant_) continue;
-            if (layer.kind == LayerKind::Color || !someUnnamed) checkEqual(layer);
+            if (layer.kind != LayerKind::Data || !someUnnamed) checkEqual(layer);
         }
         requireKnownNames();
     }

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numeric>
@@ -247,6 +248,9 @@ public:
         }
         const double level =
             options_.level / 2.0 / static_cast<double>(std::max<std::uint64_t>(result_.regions, 1));
+        const double squaresNeeded = 2.0 * std::log(2.0 / level); // for a bias of all of them to be seen
+        for (const Seen& channel : seen_)
+            if (channel.differs && channel.squares < squaresNeeded) result_.tooSmall.push_back(channel.name);
         std::erase_if(candidates_,
                       [&](const NoiseTest::Region& region) { return region.probability > level; });
         std::ranges::stable_sort(candidates_, {}, &NoiseTest::Region::probability);
@@ -258,22 +262,47 @@ public:
 
 private:
     static constexpr std::size_t kSquare = 8, kSmallest = 64; // sides in pixels
+    static constexpr double kLost = 0.9;                      // of a value
 
-    static Regions smallestRegions(const ChannelPair& channel, const Focus& focus) {
+    struct Seen {
+        std::string name;
+        bool differs = false;
+        double squares = 0.0; ///< that hold pixels to compare
+    };
+
+    Regions smallestRegions(const ChannelPair& channel, const Focus& focus) {
         const std::size_t width = focus.box.width();
         Regions squares(focus.box, kSquare), regions(focus.box, kSmallest);
+        std::vector<std::array<int, 2>> lost(squares.sums.size()); // pixels, by the picture that lost them
+        Seen& seen = seen_.emplace_back(channel.name);
         for (std::size_t i = 0; i < channel.a->values.size(); ++i) {
             const double a = channel.a->values[i], b = channel.b->values[i];
             if ((!focus.ignored.empty() && focus.ignored[i]) || !std::isfinite(a - b)) continue;
             const bool isRounding = std::abs(a - b) <= kRounding * std::max(std::abs(a), std::abs(b));
-            squares.at(i % width, i / width).add({isRounding ? 0.0 : a - b, 0.0, b, 1.0});
+            seen.differs = seen.differs || !isRounding;
+            Regions::Sums& square = squares.at(i % width, i / width);
+            square.add({isRounding ? 0.0 : a - b, 0.0, b, 1.0});
+            if (std::abs(a - b) >= kLost * std::max(std::abs(a), std::abs(b)) && !isRounding)
+                ++lost[std::size_t(&square - squares.sums.data())][std::abs(a) < std::abs(b) ? 0 : 1];
         }
+        for (const Regions::Sums& square : squares.sums) seen.squares += square.pixels > 0.0 ? 1.0 : 0.0;
+        testSquares(channel, focus, squares, lost);
         for (std::size_t i = 0; i < squares.sums.size(); ++i) {
             Regions::Sums& square = squares.sums[i];
             square.squares = square.difference * square.difference;
             regions.at(i % squares.columns * kSquare, i / squares.columns * kSquare).add(square);
         }
         return regions;
+    }
+
+    void testSquares(const ChannelPair& channel, const Focus& focus, const Regions& squares,
+                     const std::vector<std::array<int, 2>>& lost) {
+        for (std::size_t i = 0; i < lost.size(); ++i) {
+            if (std::min(lost[i][0], lost[i][1]) > 0) continue;
+            const double probability = std::exp2(1.0 - std::max(lost[i][0], lost[i][1]));
+            if (probability * static_cast<double>(lost.size()) <= 1e-3 * options_.level)
+                addCandidate(channel, focus, squares, i, probability);
+        }
     }
 
     void testChannel(const ChannelPair& channel, const Focus& focus) {
@@ -296,7 +325,12 @@ private:
         const double square = sums.difference * sums.difference;
         const double probability =
             square > 0.0 ? std::min(1.0, 2.0 * std::exp(-0.5 * square / sums.squares)) : 1.0;
-        if (probability > options_.level) return;
+        if (probability <= options_.level) addCandidate(channel, focus, regions, index, probability);
+    }
+
+    void addCandidate(const ChannelPair& channel, const Focus& focus, const Regions& regions,
+                      std::size_t index, double probability) {
+        const Regions::Sums& sums = regions.sums[index];
         const auto side = static_cast<std::int32_t>(regions.side);
         const PixelBox& box = focus.box;
         PixelBox region;
@@ -312,6 +346,7 @@ private:
     const NoiseOptions& options_;
     NoiseTest& result_;
     std::vector<NoiseTest::Region> candidates_;
+    std::vector<Seen> seen_; ///< of each channel
 };
 
 } // namespace

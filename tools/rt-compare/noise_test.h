@@ -27,6 +27,11 @@ struct NoiseOptions {
 ///    blurred or denoised are not for this test. Regions of 64, 128, ... pixels a side, up to the whole
 ///    picture; all together: Bonferroni.
 ///
+/// 3. Square by square of 8x8 pixels: where at least 9 tenths of a value are lost or gained, noise does so in
+///    either picture as often, so n such pixels of one square all in the same one have P <= 2^(1-n). What is
+///    a thousandth of the level over all squares counts as a region.
+///
+/// Channels that differ but have too few squares for the second test to tell anything do not pass.
 /// Differences below 2^-16 of the values are rounding and count as none.
 /// Throws Error{InvalidContent} if the second render does not fit.
 NoiseTest testNoise(const PreparedPair& pair, const NoiseOptions& options);

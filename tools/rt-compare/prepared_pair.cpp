@@ -60,6 +60,8 @@ public:
                 fmt::format("pixel aspects differ: {:g} against {:g}", a_.pixelAspect, b_.pixelAspect));
         compareChromaticities();
         for (const char* name : {"worldToCamera", "worldToNDC"}) compareMatrix(name);
+        for (const char* name : {"screenWindowWidth", "screenWindowCenter", "view", "envmap"})
+            compareCamera(name);
         for (const std::string& text : describeChannelDifferences(a_.image, b_.image, prefix_))
             findings_.push_back({"channels", text, !allowed_.contains("channels")});
         return comparable;
@@ -97,6 +99,15 @@ private:
             if (!(std::abs(a[i] - b[i]) <= kRounding))
                 return add("chromaticities", fmt::format("chromaticities differ: {:g} against {:g}",
                                                          fmt::join(a, " "), fmt::join(b, " ")));
+    }
+
+    void compareCamera(const char* name) {
+        const auto textOf = [&](const PicturePart& part) {
+            const auto found = part.camera.find(name);
+            return found == part.camera.end() ? std::string("none") : found->second;
+        };
+        if (textOf(a_) != textOf(b_))
+            add("camera", fmt::format("{} differs: {} against {}", name, textOf(a_), textOf(b_)));
     }
 
     void compareMatrix(const char* name) {

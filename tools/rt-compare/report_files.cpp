@@ -34,11 +34,18 @@ void writeMaps(const ReportOptions& reports, const PreparedPair& pair,
 
 } // namespace
 
-ReportFiles::ReportFiles(const Options& options, std::size_t pairCount)
+ReportFiles::ReportFiles(const Options& options, const std::vector<FilePair>& pairs)
     : options_(options), printsText_(!options.common.quiet && options.common.jsonPath != "-" &&
                                      options.reports.junitPath != "-" && options.reports.htmlPath != "-"),
       pairs_(std::make_unique<nlohmann::json>(nlohmann::json::array())) {
-    if (pairCount > 1 && options.reports.showsPixels())
+    std::vector<std::string> inputs, outputs = options.reports.outputs();
+    outputs.push_back(options.common.jsonPath);
+    for (const FilePair& pair : pairs) {
+        inputs.push_back(pair.a);
+        inputs.push_back(pair.b);
+    }
+    requireDistinctPaths(inputs, outputs);
+    if (pairs.size() > 1 && options.reports.showsPixels())
         throw Error(ErrorKind::Usage, "-o and --html show one pair of images; compare the two files alone");
 }
 

@@ -10,8 +10,9 @@ namespace rt {
 /// Writes what is found out about pairs, one after the other, as the options ask for it.
 class ReportFiles {
 public:
-    /// Throws Error{Usage} if a report that shows the pixels of one pair is wanted of several.
-    ReportFiles(const Options& options, std::size_t pairCount);
+    /// Throws Error{Usage} if a report that shows the pixels of one pair is wanted of several, or if one
+    /// would overwrite a file to be compared.
+    ReportFiles(const Options& options, const std::vector<FilePair>& pairs);
     ~ReportFiles();
 
     /// Prints the pair, and writes its error map and page.

@@ -285,7 +285,7 @@ function drawWorst() {
       cell.append(button);
       rows.push(row(layer.name, [element("td", worst.channel, { class: "text" }), cell, worst.a, worst.b, worst.a - worst.b]));
     }
-  byId("worst").append(rows.length ? table(["layer", "channel", "x, y", "a", "b", "a−b"], rows) : element("p", "No pixel differs."));
+  byId("worst").append(rows.length ? table(["layer", "channel", "x, y", "a", "b", "a−b"], rows) : element("p", report.layers.length ? "No pixel differs." : "No pixels were compared."));
 }
 function svg(tag, attributes, text) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
@@ -414,7 +414,7 @@ function applyAddress() {
   const index = layers.findIndex(layer => layer.name === wanted.get("layer"));
   if (index > 0) choose(index);
   if (wanted.has("stops")) expose(Number(wanted.get("stops")));
-  if (wanted.has("view")) show(wanted.get("view"));
+  if (kViews.some(([view]) => view === wanted.get("view"))) show(wanted.get("view"));
   if (wanted.has("x") && wanted.has("y")) jump(layers[state.layer].name, Number(wanted.get("x")), Number(wanted.get("y")));
 }
 

@@ -11,16 +11,26 @@ std::string number(double value) {
     return std::isnan(value) ? "not computed" : fmt::format("{:.9g}", value);
 }
 
+// Names come from files: no control character of theirs reaches the terminal or makes a line of its own.
+std::string printable(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        result += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+    }
+    return result;
+}
+
 std::string describePart(const PicturePart& part, bool isNamed) {
     const Image& image = part.image;
-    std::string text = isNamed ? fmt::format("; part {}:", part.name) : "";
+    std::string text = isNamed ? fmt::format("; part {}:", printable(part.name)) : "";
     text += fmt::format(" {} x {} pixels, channels", part.displayWindow.width(), part.displayWindow.height());
-    for (const ImageChannel& channel : image.channels) text += " " + channel.name;
+    for (const ImageChannel& channel : image.channels) text += fmt::format(" {}", printable(channel.name));
     return text;
 }
 
 std::string describePicture(const char* which, const Picture& picture, const NonFiniteCounts& counts) {
-    std::string text = fmt::format("{}: {}:", which, picture.name);
+    std::string text = fmt::format("{}: {}:", which, printable(picture.name));
     for (const PicturePart& part : picture.parts) text += describePart(part, picture.parts.size() > 1);
     return text + fmt::format("; {}; {} non-finite pixels: {} NaN, {} +Inf, {} -Inf\n", picture.format,
                               counts.pixels, counts.nan, counts.positiveInf, counts.negativeInf);
@@ -38,23 +48,24 @@ std::string describeFocus(const Comparison& comparison, const PreparedPair& pair
 }
 
 std::string describeIds(const LayerComparison& layer) {
-    return fmt::format("{}: {} of {} pixels differ\n", layer.name, layer.channels.front().differing,
-                       layer.figures.values);
+    return fmt::format("{}: {} of {} pixels differ\n", printable(layer.name),
+                       layer.channels.front().differing, layer.figures.values);
 }
 
 std::string describeWorst(const LayerComparison& layer) {
     std::string text;
     for (const WorstPixel& worst : layer.worst)
-        text += fmt::format("  worst: {} at x {}, y {}: a {:.9g}, b {:.9g}\n", worst.channel, worst.x,
-                            worst.y, worst.a, worst.b);
+        text += fmt::format("  worst: {} at x {}, y {}: a {:.9g}, b {:.9g}\n", printable(worst.channel),
+                            worst.x, worst.y, worst.a, worst.b);
     return text;
 }
 
 std::string describeNumbers(const LayerComparison& layer) {
     const ErrorFigures& f = layer.figures;
-    std::string text = fmt::format(
-        "{}: RMSE {}, maximum |a-b| {}, mean |a-b| {}, mean a-b {}, over {} of {} values\n", layer.name,
-        number(f.rmse), number(f.maxAbs), number(f.mae), number(f.bias), f.compared, f.values);
+    std::string text =
+        fmt::format("{}: RMSE {}, maximum |a-b| {}, mean |a-b| {}, mean a-b {}, over {} of {} values\n",
+                    printable(layer.name), number(f.rmse), number(f.maxAbs), number(f.mae), number(f.bias),
+                    f.compared, f.values);
     text += fmt::format("  MSE {}, relMSE {}, SMAPE {}, PSNR {} dB", number(f.mse), number(f.relMse),
                         number(f.smape), number(f.psnr));
     if (layer.ssim) text += fmt::format(", SSIM {:.6f}", *layer.ssim);
@@ -73,7 +84,7 @@ std::string describeNumbers(const LayerComparison& layer) {
     text += "\n";
     if (layer.channels.size() > 1)
         for (const ChannelComparison& channel : layer.channels)
-            text += fmt::format("  {}: RMSE {}, maximum |a-b| {}, {} of {} values\n", channel.name,
+            text += fmt::format("  {}: RMSE {}, maximum |a-b| {}, {} of {} values\n", printable(channel.name),
                                 number(channel.figures.rmse), number(channel.figures.maxAbs),
                                 channel.figures.compared, channel.figures.values);
     return text;
@@ -88,7 +99,7 @@ std::string describeFlip(const FlipFigures& flip) {
     if (flip.hdr)
         text += fmt::format(", {} exposures from {:.4g} to {:.4g} stops", flip.exposures, flip.startExposure,
                             flip.stopExposure);
-    if (!flip.note.empty()) text += fmt::format(" ({})", flip.note);
+    if (!flip.note.empty()) text += fmt::format(" ({})", printable(flip.note));
     text += "\n  FLIP at most";
     for (const Percentile& p : flip.percentiles)
         text += fmt::format(" {:.6g} in {:g} %,", p.absError, p.percent);
@@ -105,8 +116,8 @@ std::string describeLayer(const LayerComparison& layer) {
 std::string describeNoise(const NoiseTest& noise) {
     return fmt::format(
         "noise ({}): {} of {} pixels and {} of {} regions are beyond it, at a false alarm rate of {:g}\n",
-        noise.source, noise.significantPixels, noise.pixels, noise.significantRegionCount, noise.regions,
-        noise.level);
+        printable(noise.source), noise.significantPixels, noise.pixels, noise.significantRegionCount,
+        noise.regions, noise.level);
 }
 
 std::string describeAlignment(const Alignment& found) {
@@ -128,11 +139,12 @@ std::string verdictLine(Verdict verdict, bool colored) {
 std::string describeFindings(const Comparison& comparison, bool colored) {
     std::string text;
     for (const Finding& finding : comparison.findings)
-        if (!finding.fails) text += fmt::format("allowed: {}: {}\n", finding.kind, finding.text);
-    for (const std::string& note : comparison.notes) text += "note: " + note + "\n";
+        if (!finding.fails) text += fmt::format("allowed: {}: {}\n", finding.kind, printable(finding.text));
+    for (const std::string& note : comparison.notes) text += fmt::format("note: {}\n", printable(note));
     for (const Finding& finding : comparison.findings)
         if (finding.fails)
-            text += painted(fmt::format("fails: {}: {}", finding.kind, finding.text), "31", colored);
+            text +=
+                painted(fmt::format("fails: {}: {}", finding.kind, printable(finding.text)), "31", colored);
     return text;
 }
 
@@ -140,7 +152,9 @@ std::string describeFindings(const Comparison& comparison, bool colored) {
 
 std::string textReport(const PairResult& result, const PreparedPair* pair, bool colored) {
     if (!result.comparison)
-        return painted("fails: " + result.problem, "31", colored && result.verdict() != Verdict::Pass) +
+        return painted(fmt::format("{}: {}", result.verdict() == Verdict::Pass ? "allowed: files" : "fails",
+                                   printable(result.problem)),
+                       "31", colored && result.verdict() != Verdict::Pass) +
                verdictLine(result.verdict(), colored);
     const Comparison& comparison = *result.comparison;
     std::string text = describePicture("a", pair->a, comparison.nonFiniteA) +
@@ -148,14 +162,15 @@ std::string textReport(const PairResult& result, const PreparedPair* pair, bool 
     if (!comparison.layers.empty()) text += describeFocus(comparison, *pair);
     for (const LayerComparison& layer : comparison.layers) text += describeLayer(layer);
     for (const NonFinitePlace& place : comparison.nonFinitePlaces)
-        text += fmt::format("not finite: {} at x {}, y {}: a {}, b {}\n", place.channel, place.x, place.y,
-                            place.a, place.b);
+        text += fmt::format("not finite: {} at x {}, y {}: a {}, b {}\n", printable(place.channel), place.x,
+                            place.y, place.a, place.b);
     if (comparison.alignment) text += describeAlignment(*comparison.alignment);
     if (comparison.noise) text += describeNoise(*comparison.noise);
     for (const LimitCheck& check : comparison.checks)
-        text += fmt::format("limit: {}: {} {} (limit {}{:.9g}): {}\n", check.where, metricName(check.limit),
-                            number(check.value), traitsOf(check.limit.metric).isAtLeast ? "at least " : "",
-                            check.limit.value, check.passed ? "kept" : "broken");
+        text += fmt::format("limit: {}: {} {} (limit {}{:.9g}): {}\n", printable(check.where),
+                            metricName(check.limit), number(check.value),
+                            traitsOf(check.limit.metric).isAtLeast ? "at least " : "", check.limit.value,
+                            check.passed ? "kept" : "broken");
     return text + describeFindings(comparison, colored) + verdictLine(result.verdict(), colored);
 }
 
