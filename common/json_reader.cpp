@@ -18,27 +18,47 @@ namespace {
 using nlohmann::json;
 
 // Refuses what the library would take: a key twice, of which the last would count, and nesting without end.
-class ParseRules {
+// Looks at the text before it is parsed: the parser's own callback takes quadratic time in long arrays.
+class TextRules : public nlohmann::json_sax<json> {
 public:
-    explicit ParseRules(const std::string& name) : name_(name) {}
+    explicit TextRules(const std::string& name) : name_(name) {}
 
-    bool operator()(int depth, json::parse_event_t event, const json& parsed) {
-        if (depth >= static_cast<int>(kMaxJsonDepth))
-            fail(fmt::format("is nested deeper than {}", kMaxJsonDepth));
-        if (event == json::parse_event_t::object_start) keys_.emplace_back();
-        if (event == json::parse_event_t::object_end) keys_.pop_back();
-        if (event == json::parse_event_t::key && !keys_.back().insert(parsed.get<std::string>()).second)
-            fail(fmt::format("the key '{}' is there twice in one object", parsed.get<std::string>()));
+    bool null() override { return true; }
+    bool boolean(bool) override { return true; }
+    bool number_integer(number_integer_t) override { return true; }
+    bool number_unsigned(number_unsigned_t) override { return true; }
+    bool number_float(number_float_t, const string_t&) override { return true; }
+    bool string(string_t&) override { return true; }
+    bool binary(binary_t&) override { return true; }
+    bool start_object(std::size_t) override { return enter(); }
+    bool start_array(std::size_t) override { return enter(); }
+    bool end_object() override { return leave(); }
+    bool end_array() override { return leave(); }
+    bool key(string_t& key) override {
+        if (!keys_.back().insert(key).second)
+            fail(fmt::format("the key '{}' is there twice in one object", key));
         return true;
+    }
+    bool parse_error(std::size_t, const std::string&, const json::exception&) override {
+        return false; // parsing says what it is
     }
 
 private:
+    bool enter() {
+        if (keys_.size() >= kMaxJsonDepth) fail(fmt::format("is nested deeper than {}", kMaxJsonDepth));
+        keys_.emplace_back();
+        return true;
+    }
+    bool leave() {
+        keys_.pop_back();
+        return true;
+    }
     [[noreturn]] void fail(const std::string& what) const {
         throw Error(ErrorKind::InvalidContent, name_ + ": " + what);
     }
 
     const std::string& name_;
-    std::vector<std::set<std::string>> keys_;
+    std::vector<std::set<std::string>> keys_; // of each object or array that is open
 };
 
 // "parse error at line 1, column 2: ..." without the library's own number in front.
@@ -68,7 +88,9 @@ JsonNode::JsonNode(std::shared_ptr<const json> owner, const json& value, std::st
     : owner_(std::move(owner)), value_(&value), file_(std::move(file)), pointer_(std::move(pointer)) {}
 
 JsonNode JsonNode::read(const std::string& path) {
-    const SharedSpan<std::byte> bytes = readFile(path);
+    StreamRule rule; // a device may have no end
+    rule.memory = MemoryLimit{kMaxJsonBytes + 1, "what JSON may have"};
+    const SharedSpan<std::byte> bytes = readFile(path, rule);
     if (bytes.size() > kMaxJsonBytes)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: {} bytes; JSON may have {}", path, bytes.size(), kMaxJsonBytes));
@@ -78,7 +100,9 @@ JsonNode JsonNode::read(const std::string& path) {
 JsonNode JsonNode::parse(std::string_view text, const std::string& name) {
     std::shared_ptr<const json> owner;
     try {
-        owner = std::make_shared<const json>(json::parse(text.begin(), text.end(), ParseRules(name)));
+        TextRules rules(name);
+        json::sax_parse(text.begin(), text.end(), &rules);
+        owner = std::make_shared<const json>(json::parse(text.begin(), text.end()));
     } catch (const json::exception& error) {
         throw Error(ErrorKind::InvalidContent, fmt::format("{}: is no JSON: {}", name, reasonOf(error)));
     }

@@ -82,5 +82,20 @@ TEST(JsonReader, ValuesAreCheckedAgainstTheirRange) {
                 HasSubstr("none of a, b"));
 }
 
+TEST(JsonReader, LongArraysOfObjectsTakeTimeInProportion) { // minutes, if each object looked through its array
+    std::string text = "[{\"a\": 1}";
+    for (int i = 1; i < 400000; ++i) text += ",{\"a\": 1}";
+    EXPECT_EQ(JsonNode::parse(text + "]", "f.json").items().size(), 400000u);
+}
+
+TEST(JsonReader, DevicesWithoutAnEndAreRefused) {
+    try {
+        JsonNode::read("/dev/zero");
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::LimitExceeded) << error.what();
+    }
+}
+
 } // namespace
 } // namespace rt

@@ -94,6 +94,9 @@ public:
 
 private:
     static void fail(int status) {
+        if (status == -ENOMEM)
+            throw Error(ErrorKind::LimitExceeded,
+                        "no memory is left for the loader's sandbox; raise --max-memory");
         if (status != 0)
             throw Error(ErrorKind::Internal, fmt::format("the sandbox for the loader cannot be built: {}",
                                                          std::strerror(-status)));

@@ -51,7 +51,6 @@ glm::uvec4 parseCrop(const std::string& text, const glm::uvec2& size) {
 }
 
 unsigned parseAovs(const std::string& text) {
-    if (text == "all") return kAllAovs;
     if (text == "none") return 0;
     unsigned aovs = 0;
     std::size_t begin = 0;
@@ -60,11 +59,11 @@ unsigned parseAovs(const std::string& text) {
         const std::string name = text.substr(begin, end - begin);
         const auto known = std::find_if(std::begin(kAovNames), std::end(kAovNames),
                                         [&](const AovName& aov) { return name == aov.name; });
-        if (known == std::end(kAovNames))
+        if (known == std::end(kAovNames) && name != "all")
             throwUsage(fmt::format("--aov: '{}' is none of Z, N, P, albedo, id, material, uv, steps, tests, "
-                                   "time, variance, all, none",
+                                   "time, variance, all; or none alone",
                                    name));
-        aovs |= known->bit;
+        aovs |= name == "all" ? kAllAovs : known->bit;
         begin = end + 1;
     }
     return aovs;
@@ -122,7 +121,7 @@ void convertOutput(const OutputTexts& texts, TraceOptions& options) {
         texts.crop.empty() ? glm::uvec4(0, 0, options.size) : parseCrop(texts.crop, options.size);
     options.aovs = parseAovs(texts.aovs);
     if (options.samples == 1) {
-        if ((options.aovs & kAovVariance) && texts.aovs != "all")
+        if ((options.aovs & kAovVariance) && texts.aovs.find("variance") != std::string::npos)
             throwUsage("--aov variance needs more samples than one; add --spp N");
         options.aovs &= ~kAovVariance;
     }
