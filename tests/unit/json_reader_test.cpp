@@ -82,7 +82,8 @@ TEST(JsonReader, ValuesAreCheckedAgainstTheirRange) {
                 HasSubstr("none of a, b"));
 }
 
-TEST(JsonReader, LongArraysOfObjectsTakeTimeInProportion) { // minutes, if each object looked through its array
+TEST(JsonReader,
+     LongArraysOfObjectsTakeTimeInProportion) { // minutes, if each object looked through its array
     std::string text = "[{\"a\": 1}";
     for (int i = 1; i < 400000; ++i) text += ",{\"a\": 1}";
     EXPECT_EQ(JsonNode::parse(text + "]", "f.json").items().size(), 400000u);
