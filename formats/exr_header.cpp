@@ -100,13 +100,15 @@ private:
         std::string_view name;
         std::uint32_t size; // 0 = any
     };
-    static constexpr std::array<KnownType, 11> kParsed{{{"box2i", 16},
+    static constexpr std::array<KnownType, 13> kParsed{{{"box2i", 16},
                                                         {"chlist", 0},
                                                         {"chromaticities", 32},
                                                         {"compression", 1},
+                                                        {"envmap", 1},
                                                         {"float", 4},
                                                         {"int", 4},
                                                         {"lineOrder", 1},
+                                                        {"m44d", 128},
                                                         {"m44f", 64},
                                                         {"string", 0},
                                                         {"tiledesc", 9},
