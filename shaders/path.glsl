@@ -178,7 +178,7 @@ void loadSample() {
 const uint kEndless = 0u, kToLight = 1u, kNearby = 2u;
 
 void storeFlight() {
-    uint reach = flight.ray.tMax >= kUnlimited ? kEndless : flight.anyHit && kHasOcclusion && flight.ray.tMax != kBeforeLight ? kNearby : kToLight;
+    uint reach = flight.ray.tMax >= kUnlimited ? kEndless : flight.ray.tMax == kBeforeLight ? kToLight : kNearby;
     uint bits = uint(flight.shadow) | uint(flight.anyHit) << 1 | reach << 2 | path.depth << 8 | pendingCount << 16;
     storePoint(kPlaneFlight, flight.ray.origin, sampleNumber);
     storePoint(kPlaneFlight + kPointPlanes, flight.ray.direction, bits);

@@ -133,9 +133,6 @@ Incident fromEnvironment(Scatter c, Sampler random, uint depth) {
     return Incident(real3(direction), true, environmentRadiance(direction) / both, max(density, 1e-20f));
 }
 
-// Each hit takes one ray off the stack and puts at most so many on it, each one deeper.
-const uint kMostChildren = uint(kHasReflection || kHasTransmission) + uint(kHasReflection && kHasRoughness) + uint(kHasTransmission) + uint(kHasOpacity);
-
 // Whether a ray of that weight is traced; it may then count for others that are not.
 bool isTraced(inout vec3 weight, float u) {
     float most = largest(weight);
@@ -151,6 +148,7 @@ real3 mirrored(real3 direction, Surface s, real3 normal) {
     return dot(r, s.geometricNormal) > 0.0f ? r : reflect(direction, s.geometricNormal);
 }
 
+// There is room on the stack: stackSize() in tools/rt-trace/slot_layout.cpp counts what pushChildren() may push.
 void push(Pending from, Surface s, real3 direction, vec3 weight, float density, float gone, uvec2 media) {
     storePending(pendingCount++, Pending(leaveSurface(s, direction), direction, weight, from.width, density, gone, from.depth + 1u, s.triangle, media));
 }
@@ -187,7 +185,7 @@ bool pushThrough(Pending from, Surface s, real3 normal, float eta, vec3 weight, 
 
 // `from` is the ray as it came to the surface: its weight, its width and its way are those there.
 void pushChildren(Pending from, Surface s, Scatter c, Sampler random) {
-    if (from.depth >= kMaxDepth || kMostChildren == 0u) return;
+    if (from.depth >= kMaxDepth) return;
     vec2 chance = kMultisample ? pairOf(random, kPairRoulette, from.depth) : vec2(0.0f);
     vec3 rest = from.weight * s.opacity;
     if (kHasOpacity && s.opacity < 1.0f) {

@@ -97,7 +97,7 @@ struct Shot {
     unsigned filter = kFilterBox;
     unsigned seed = 0;
     glm::vec3 background{0.0f};
-    unsigned samplesPerDispatch = 4; ///< software ends an invocation's loops after 65,535 rounds
+    unsigned samplesPerDispatch = 4; ///< which pictures do not depend on
     float environmentTurn = 0.0f;
 };
 
