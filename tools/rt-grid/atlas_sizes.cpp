@@ -25,15 +25,9 @@ AtlasSizes sizesOf(const Atlas& atlas) {
     sizes.dims = glm::uvec3(atlas.grid.dims);
     sizes.brickWords = atlas.bricks.size();
     sizes.referenceWords = atlas.references.size();
-    sizes.triangles = atlas.triangles.size();
+    setScenery(sizes, atlas);
     sizes.vertices = atlas.normals.size();
     sizes.texcoords = atlas.texcoords.size();
-    sizes.materials = atlas.materials.size();
-    sizes.lights = atlas.lights.size();
-    sizes.cameras = atlas.cameras.size();
-    sizes.cameraKeys = atlas.cameraKeys.size();
-    sizes.surroundings = atlas.surroundings.size();
-    sizes.environment = atlas.environment.size();
     sizes.images = atlas.images.size();
     sizes.pages = {atlas.info.pageWidth, atlas.info.pageHeight, atlas.info.pageCount};
     return sizes;

@@ -26,6 +26,18 @@ struct AtlasSizes {
 
 AtlasSizes sizesOf(const Atlas& atlas);
 
+/// What an atlas takes over from a mesh as it is: of either of them.
+template <class Scene>
+void setScenery(AtlasSizes& sizes, const Scene& scene) {
+    sizes.triangles = scene.triangles.size();
+    sizes.materials = scene.materials.size();
+    sizes.lights = scene.lights.size();
+    sizes.cameras = scene.cameras.size();
+    sizes.cameraKeys = scene.cameraKeys.size();
+    sizes.surroundings = scene.surroundings.size();
+    sizes.environment = scene.environment.size();
+}
+
 /// What a section becomes on a GPU; see formats/README.md.
 enum class GpuObject { None, UniformBlock, Buffer, Texture3D, TextureArray };
 

@@ -27,15 +27,9 @@ void setSizes(const MeshFile& meshFile, const GridStages& stages, BuildForecast&
     const Mesh& mesh = meshFile.mesh;
     AtlasSizes& sizes = forecast.sizes;
     sizes.dims = stages.layout.dims;
-    sizes.triangles = mesh.triangles.size();
+    setScenery(sizes, mesh);
     sizes.vertices = mesh.positions.size();
     sizes.texcoords = showsImages(mesh) ? mesh.texcoords.size() : 0;
-    sizes.materials = mesh.materials.size();
-    sizes.lights = mesh.lights.size();
-    sizes.cameras = mesh.cameras.size();
-    sizes.cameraKeys = mesh.cameraKeys.size();
-    sizes.surroundings = mesh.surroundings.size();
-    sizes.environment = mesh.environment.size();
     sizes.images = stages.pages.places.size();
     sizes.pages = {stages.pages.width, stages.pages.height, stages.pages.pageCount};
 }
