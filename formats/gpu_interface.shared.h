@@ -36,12 +36,22 @@ RT_SHARED_BEGIN
 #define RT_BUFFER_ROUNDS                                                                                     \
     5 // render: TraceRound times kRoundsInGroup + 1; uint: slots with a ray for this round, and for the next
 #define RT_BUFFER_FIRST_PAGED 6
-// Texture units: the texture pages, once with sRGB decoded and once as they are; the environment; then the
-// slabs of the voxel texture.
+// Texture units: the texture pages, once with sRGB decoded and once as they are; the environment; with
+// --kernel multipass the rays; then the slabs of the voxel texture.
 #define RT_TEXTURE_PAGES 0
 #define RT_TEXTURE_LINEAR_PAGES 1
 #define RT_TEXTURE_ENVIRONMENT 2
-#define RT_TEXTURE_FIRST_VOXELS 3
+#define RT_TEXTURE_FIRST_VOXELS 3 // without rays
+// rgba32ui, a ray of each pixel: planes of SlotLayout in tools/rt-trace/slot_layout.h but for the one that
+// says how far the ray has come, see Progress in shaders/pass.glsl.
+#define RT_TEXTURE_FIRST_RAYS 3
+#define RT_TEXTURE_COLOR 3
+#define RT_TEXTURE_ORIGIN 4
+#define RT_TEXTURE_DIRECTION 5
+#define RT_TEXTURE_PROGRESS 6
+#define RT_TEXTURE_HIT 7
+
+RT_SHARED_CONST uint kRayTextureCount = 5u;
 
 RT_SHARED_CONST uint kNoTriangle = 0xFFFFFFFFu;
 RT_SHARED_CONST uint kWalkCutShort = 0xFFFFFFFEu; // instead of a triangle: the device ended a loop too early

@@ -21,6 +21,9 @@
 #ifndef RT_SOFTWARE
 #error "RT_SOFTWARE is not defined"
 #endif
+#ifndef RT_MULTIPASS
+#error "RT_MULTIPASS is not defined"
+#endif
 #ifndef RT_COUNT_WORK
 #error "RT_COUNT_WORK is not defined"
 #endif
@@ -95,6 +98,7 @@ const bool kAnyHit = RT_ANY_HIT != 0;
 const bool kScatteredRays = RT_SCATTERED_RAYS != 0; // the host then takes query_scattered.comp.glsl
 const bool kSubgroups = RT_SUBGROUPS != 0;
 const bool kSoftware = RT_SOFTWARE != 0;
+const bool kMultipass = RT_MULTIPASS != 0; // the host then takes the pass_*.frag.glsl
 const bool kCountWork = RT_COUNT_WORK != 0 || RT_HAS_AOVS != 0;
 const bool kHasSlivers = RT_HAS_SLIVERS != 0;
 const bool kHasTextures = RT_HAS_TEXTURES != 0;

@@ -59,12 +59,9 @@ uint placeIn(uint plane) {
     uint results = kResultPlanes * picture.slots.x;
     return plane < kResultPlanes ? plane * picture.slots.x + sampleNumber : results + slot * kRecordPlanes + (plane - kResultPlanes);
 }
-void storeWords(uint plane, uvec4 words) {
-    slots[placeIn(plane)] = words;
-}
-uvec4 loadWords(uint plane) {
-    return slots[placeIn(plane)];
-}
+// In slots.glsl, or where some planes are textures in pass.glsl.
+void storeWords(uint plane, uvec4 words);
+uvec4 loadWords(uint plane);
 
 #if RT_DOUBLE
 void storePoint(uint plane, real3 v, uint word) {
@@ -194,6 +191,11 @@ void loadFlight() {
     path.depth = (bits >> 8) & 0xFFu;
     pendingCount = (bits >> 16) & 0xFFFFu;
     if (kCountWork) flight.from = loadWords(kPlaneWork + 1u).x;
+}
+
+void countWork(bool first, WorkCounters work) {
+    uvec4 before = first ? uvec4(0u) : loadWords(kPlaneWork);
+    storeWords(kPlaneWork, before + uvec4(work.rays, work.steps, work.tests, work.selfHits));
 }
 
 // What a sample needs beyond its flight once that is over.

@@ -18,13 +18,9 @@
 layout(local_size_x = RT_GROUP_X, local_size_y = 1) in;
 #include "shaders/lanes.glsl"
 #include "shaders/path.glsl"
+#include "shaders/slots.glsl"
 #include "shaders/queue.glsl"
 #include "shaders/batch.glsl"
-
-void countWork(bool first, WorkCounters work) {
-    uvec4 before = first ? uvec4(0u) : loadWords(kPlaneWork);
-    storeWords(kPlaneWork, before + uvec4(work.rays, work.steps, work.tests, work.selfHits));
-}
 
 void main() {
     sampleNumber = gl_GlobalInvocationID.x;

@@ -269,14 +269,18 @@ bool enterGrid(inout Ray ray, out real tEnter) {
     return enters;
 }
 
+// A hit of the walk, whose t counts from the grid's border, as one of the ray.
+Hit hitOf(Ray ray, real tEnter, Hit inWalk) {
+    if (inWalk.triangle == kNoTriangle) return Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
+    inWalk.t += tEnter;
+    return inWalk;
+}
+
 // Nearest hit of a ray with tMin <= t <= tMax (tMin >= 0), or with anyHit any such hit.
 Hit trace(Ray ray, bool anyHit, inout WorkCounters work) {
     if (kCountWork) work.rays += 1u;
-    Hit miss = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
+    Ray inGrid = ray;
     real tEnter;
-    if (!enterGrid(ray, tEnter)) return miss;
-    Hit hit = walkGrid(ray, anyHit, work);
-    if (hit.triangle == kNoTriangle) return miss;
-    hit.t += tEnter;
-    return hit;
+    if (!enterGrid(inGrid, tEnter)) return Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
+    return hitOf(ray, tEnter, walkGrid(inGrid, anyHit, work));
 }

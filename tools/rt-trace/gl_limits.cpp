@@ -46,6 +46,10 @@ GlLimits queryGlLimits(bool software) {
     // llvmpipe refuses textures above 1 GiB (Mesa's LP_MAX_TEXTURE_SIZE).
     resources.textureBytes = software ? (1u << 30) - 1u : std::numeric_limits<std::uint64_t>::max();
     resources.textureUnits = get(GL_MAX_COMPUTE_TEXTURE_IMAGE_UNITS);
+    limits.fragmentResources = resources;
+    limits.fragmentResources.storageBlocks =
+        std::min(get(GL_MAX_FRAGMENT_SHADER_STORAGE_BLOCKS), get(GL_MAX_COMBINED_SHADER_STORAGE_BLOCKS));
+    limits.fragmentResources.textureUnits = get(GL_MAX_TEXTURE_IMAGE_UNITS);
     limits.textureSize2D = get(GL_MAX_TEXTURE_SIZE);
     limits.arrayLayers = get(GL_MAX_ARRAY_TEXTURE_LAYERS);
     limits.groupCountX = getIndexed(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0);

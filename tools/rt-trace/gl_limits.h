@@ -5,7 +5,8 @@ namespace rt {
 
 /// What the current GL context allows.
 struct GlLimits {
-    ResourceLimits resources;
+    ResourceLimits resources;         ///< of compute shaders
+    ResourceLimits fragmentResources; ///< of fragment shaders
     unsigned textureSize2D = 0;
     unsigned arrayLayers = 0;
     unsigned groupCountX = 0; ///< work groups of one dispatch

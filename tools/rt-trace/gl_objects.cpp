@@ -70,6 +70,13 @@ void deleteShader(GlName name) {
     glDeleteShader(name);
 }
 
+void deleteFramebuffer(GlName name) {
+    glDeleteFramebuffers(1, &name);
+}
+void deleteVertexArray(GlName name) {
+    glDeleteVertexArrays(1, &name);
+}
+
 void GlFence::Delete::operator()(void* sync) const {
     glDeleteSync(static_cast<GLsync>(sync));
 }
@@ -196,40 +203,51 @@ void writeTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum form
     checkGl("writing a texture");
 }
 
-// No status is asked for here: that would wait for the compiler.
 CompilingProgram::CompilingProgram(ShaderText source, const ShaderCache* cache)
-    : source_(std::move(source)), cache_(cache), program_(cache ? cache->load(source_.text) : GlProgram()),
+    : CompilingProgram(std::vector<StageText>{{GL_COMPUTE_SHADER, std::move(source)}}, cache) {}
+
+// No status is asked for here: that would wait for the compiler.
+CompilingProgram::CompilingProgram(std::vector<StageText> stages, const ShaderCache* cache)
+    : stages_(std::move(stages)), cache_(cache), program_(cache ? cache->load(wholeText()) : GlProgram()),
       fromCache_(program_.name() != 0) {
     if (fromCache_) return;
-    shader_ = GlShader(glCreateShader(GL_COMPUTE_SHADER));
     program_ = GlProgram(glCreateProgram());
-    const char* const text = source_.text.c_str();
-    glShaderSource(shader_.name(), 1, &text, nullptr);
-    glCompileShader(shader_.name());
-    glAttachShader(program_.name(), shader_.name());
+    for (const StageText& stage : stages_) {
+        const GlShader& shader = shaders_.emplace_back(glCreateShader(stage.stage));
+        const char* const text = stage.source.text.c_str();
+        glShaderSource(shader.name(), 1, &text, nullptr);
+        glCompileShader(shader.name());
+        glAttachShader(program_.name(), shader.name());
+    }
     if (cache) glProgramParameteri(program_.name(), GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
     glLinkProgram(program_.name());
 }
 
+std::string CompilingProgram::wholeText() const {
+    std::string text;
+    for (const StageText& stage : stages_) text += stage.source.text;
+    return text;
+}
+
 GlProgram CompilingProgram::finish() {
     if (fromCache_) return std::move(program_);
-    const std::string entry = source_.files.size() > 1 ? source_.files[1] : "shader";
+    const auto fail = [](const StageText& stage, const char* what, const std::string& log) {
+        const std::vector<std::string>& files = stage.source.files;
+        throw Error(ErrorKind::Internal,
+                    fmt::format("{} does not {}: {}", files.size() > 1 ? files[1] : "shader", what,
+                                nameFiles(log, stage.source)));
+    };
     GLint ok = GL_FALSE;
-    glGetShaderiv(shader_.name(), GL_COMPILE_STATUS, &ok);
-    if (!ok)
-        throw Error(
-            ErrorKind::Internal,
-            fmt::format("{} does not compile: {}", entry,
-                        nameFiles(logOf(shader_.name(), glGetShaderiv, glGetShaderInfoLog), source_)));
+    for (std::size_t i = 0; i < stages_.size(); ++i) {
+        const GLuint shader = shaders_[i].name();
+        glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+        if (!ok) fail(stages_[i], "compile", logOf(shader, glGetShaderiv, glGetShaderInfoLog));
+    }
     glGetProgramiv(program_.name(), GL_LINK_STATUS, &ok);
-    if (!ok)
-        throw Error(
-            ErrorKind::Internal,
-            fmt::format("{} does not link: {}", entry,
-                        nameFiles(logOf(program_.name(), glGetProgramiv, glGetProgramInfoLog), source_)));
-    glDetachShader(program_.name(), shader_.name());
-    checkGl("compiling " + entry);
-    if (cache_) cache_->store(source_.text, program_);
+    if (!ok) fail(stages_.back(), "link", logOf(program_.name(), glGetProgramiv, glGetProgramInfoLog));
+    for (const GlShader& shader : shaders_) glDetachShader(program_.name(), shader.name());
+    checkGl("compiling shaders");
+    if (cache_) cache_->store(wholeText(), program_);
     return std::move(program_);
 }
 

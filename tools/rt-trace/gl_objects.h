@@ -41,11 +41,15 @@ void deleteTexture(GlName name);
 void deleteProgram(GlName name);
 void deleteQuery(GlName name);
 void deleteShader(GlName name);
+void deleteFramebuffer(GlName name);
+void deleteVertexArray(GlName name);
 using GlBuffer = GlObject<deleteBuffer>;
 using GlTexture = GlObject<deleteTexture>;
 using GlProgram = GlObject<deleteProgram>;
 using GlQuery = GlObject<deleteQuery>;
 using GlShader = GlObject<deleteShader>;
+using GlFramebuffer = GlObject<deleteFramebuffer>;
+using GlVertexArray = GlObject<deleteVertexArray>;
 
 /// A point in the stream of GL commands; none by default.
 class GlFence {
@@ -100,21 +104,31 @@ void writeTexels(const GlTexture& texture, const glm::uvec4& region, GlEnum form
 
 class ShaderCache;
 
-/// A compute shader that the driver may go on compiling, on threads of its own, while other commands follow.
+/// Source of one stage of a program; `stage` is GL_COMPUTE_SHADER, ...
+struct StageText {
+    GlEnum stage;
+    ShaderText source;
+};
+
+/// A program that the driver may go on compiling, on threads of its own, while other commands follow.
 class CompilingProgram {
 public:
-    /// Takes it from `cache`, if there is one and it is there, and puts it there in finish() otherwise.
+    /// A compute shader. Takes it from `cache`, if there is one and it is there, and puts it there in
+    /// finish() otherwise.
     explicit CompilingProgram(ShaderText source, const ShaderCache* cache = nullptr);
+    explicit CompilingProgram(std::vector<StageText> stages, const ShaderCache* cache = nullptr);
     bool isFromCache() const { return fromCache_; }
     /// Waits for it; to be called once. Throws Error{Internal} with the driver's log, files named.
     GlProgram finish();
 
 private:
-    ShaderText source_;
+    std::string wholeText() const;
+
+    std::vector<StageText> stages_;
     const ShaderCache* cache_;
     GlProgram program_;
     bool fromCache_;
-    GlShader shader_; // none of a program from the cache
+    std::vector<GlShader> shaders_; // of the stages; none of a program from the cache
 };
 
 /// Compiles and links a compute shader. Throws as CompilingProgram::finish() does.

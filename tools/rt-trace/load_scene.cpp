@@ -31,8 +31,10 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     needs.features.doublePrecision = options.doublePrecision;
     needs.features.intersect = options.intersect;
     needs.features.software = scene.context->device().software;
-    if (kind == ShaderKind::Render) needs.features.subgroups = limits.subgroups;
-    scene.plan = planResources(file.atlas, needs.features, kind, limits.resources, name);
+    const bool multipass = needs.features.multipass != 0;
+    if (kind == ShaderKind::Render && !multipass) needs.features.subgroups = limits.subgroups;
+    scene.plan = planResources(file.atlas, needs.features, kind,
+                               multipass ? limits.fragmentResources : limits.resources, name);
     needs.memory.push_back({"the atlas", uploadedBytes(file.atlas, scene.plan), kSmallerAtlas});
     scene.memoryBytes = sumOf(needs.memory);
     const std::optional<MemoryLimit> memory = gpuMemoryLimit(scene.context->device(), options.maxGpuMemory);

@@ -105,6 +105,10 @@ void convertTexts(const CLI::App& app, const OptionTexts& texts, TraceOptions& o
     options.doublePrecision = texts.precision == "double";
     options.intersect = static_cast<unsigned>(
         std::find(kIntersectNames.begin(), kIntersectNames.end(), texts.intersect) - kIntersectNames.begin());
+    if (options.doublePrecision && options.kernel == Kernel::Multipass)
+        throw Error(ErrorKind::Usage,
+                    "--precision double does not go with --kernel multipass, whose textures "
+                    "hold rays as floats; use --kernel compute");
     if (texts.rayOrder == "coherent") options.rayOrder = RayOrder::Coherent;
     if (texts.rayOrder == "scattered") options.rayOrder = RayOrder::Scattered;
 }

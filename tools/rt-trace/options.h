@@ -14,6 +14,7 @@
 namespace rt {
 
 enum class Heat { None, Steps, Tests, Time };
+enum class Kernel { Compute, Multipass };
 
 /// What the command line of rt-trace asks for.
 struct TraceOptions {
@@ -42,6 +43,7 @@ struct TraceOptions {
     std::optional<double> environmentTurn; ///< degrees about +y; else the scene's
     std::optional<double> environmentStrength;
     unsigned maxDepth = 4;
+    Kernel kernel = Kernel::Compute;
     bool reproducible = false;
 
     // Samples.

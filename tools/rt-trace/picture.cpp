@@ -41,6 +41,7 @@ void runLoop(const TraceOptions& options, const GpuScene& scene, GpuView& view, 
     };
     if (!options.checkpointPath.empty()) control.save = save;
     picture.figures = renderTiles(scene.programs, view, film, *scene.context, picture.tiles, control);
+    picture.passes = view.passes();
     if (control.save) save(picture.figures.gpuMs);
 }
 
@@ -59,7 +60,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features, context.limits(),
                  scene.mostSamples);
     const PictureIdentity identity = identityOf(options, setup, scene.plan.features, scene.file.contentHash);
-    Picture picture{{}, TileSamples(options.window, options.samples), {}};
+    Picture picture{{}, TileSamples(options.window, options.samples), {}, {}};
     if (!options.resumePath.empty())
         picture.earlierMs = resumeCheckpoint(options.resumePath, identity, film, picture.tiles);
     scene.atlas.bind();

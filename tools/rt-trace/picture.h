@@ -14,6 +14,7 @@ struct Picture {
     FilmPixels pixels;
     TileSamples tiles;
     LoopFigures figures;
+    PassCounts passes;      ///< of --kernel multipass
     double earlierMs = 0.0; ///< gpuMs of the runs that it was resumed from
     std::optional<WorkTotals> work = {};
     StageTimes stageTimes = {}; ///< of the pass that counted `work`

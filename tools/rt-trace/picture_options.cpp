@@ -1,13 +1,18 @@
 #include "tools/rt-trace/picture_options.h"
 
 #include "common/error.h"
+#include "tools/rt-trace/option_values.h"
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 namespace rt {
 namespace {
+
+constexpr std::array<const char*, 2> kKernelNames = {"compute", "multipass"}; // in the order of Kernel
 
 [[noreturn]] void throwUsage(const std::string& message) {
     throw Error(ErrorKind::Usage, message);
@@ -26,6 +31,14 @@ void checkFrames(const TraceOptions& options) {
         throwUsage("--eye, --look-at, --up and --fov do not go with --frames: the camera's path says that");
     if (!options.checkpointPath.empty() || !options.resumePath.empty())
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
+}
+
+void checkKernel(const TraceOptions& options) {
+    const bool timed = (options.aovs & kAovTime) != 0 || options.heat == Heat::Time;
+    if (options.kernel == Kernel::Multipass && timed)
+        throwUsage(
+            "--kernel multipass does not go with --aov time or --heat time: its pixels take their time "
+            "in many passes; use --heat steps");
 }
 
 // The place of the number is no name of a file where there are no frames.
@@ -47,6 +60,13 @@ void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts
     addLightOptions(app, options, texts.light);
     addSampleOptions(app, options, texts.samples);
     addOutputOptions(app, options, texts.output);
+    app.add_option("--kernel", texts.kernel,
+                   "How rays are traced: compute shaders, or three fragment shaders that are drawn over all "
+                   "pixels in turn, as GPUs had to before; the same picture, later")
+        ->check(oneOf(listOf(kKernelNames)))
+        ->type_name(fmt::format("{}", fmt::join(kKernelNames, "|")))
+        ->capture_default_str()
+        ->group("Pictures: what traces them");
 }
 
 void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOptions& options) {
@@ -58,6 +78,8 @@ void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOp
     convertLight(texts.light, options);
     convertSamples(texts.samples, options);
     convertOutput(texts.output, options);
+    options.kernel = static_cast<Kernel>(indexIn(kKernelNames, texts.kernel));
+    checkKernel(options);
     checkFrames(options);
     checkNames(options);
     requireEffect(app, options);

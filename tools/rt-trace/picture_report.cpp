@@ -30,6 +30,9 @@ void logPicture(const Picture& picture, const TraceOptions& options) {
     const double gpuMs = picture.figures.gpuMs;
     std::string figures = fmt::format("{}x{} in {:.2f} ms", window.z - window.x, window.w - window.y, gpuMs);
     if (options.samples > 1) figures += fmt::format(", {:.4g} samples per pixel", picture.tiles.mean());
+    if (options.kernel == Kernel::Multipass)
+        figures += fmt::format(", {} intersect, {} traverse and {} shade passes", picture.passes.intersect,
+                               picture.passes.traverse, picture.passes.shade);
     if (picture.figures.timeLimitReached) figures += ", ended by --time-limit";
     if (picture.heatMost > 0.0) figures += fmt::format(", yellow is {:.4g} per sample", picture.heatMost);
     if (const auto& work = picture.work)
@@ -45,10 +48,16 @@ void logPicture(const Picture& picture, const TraceOptions& options) {
 }
 
 nlohmann::json figuresOf(const Picture& picture, const TraceOptions& options, const PictureSetup& setup) {
+    const bool multipass = options.kernel == Kernel::Multipass;
     nlohmann::json figures;
     reportCamera(figures, setup.pose);
     figures["width"] = options.window.z - options.window.x;
     figures["height"] = options.window.w - options.window.y;
+    figures["kernel"] = multipass ? "multipass" : "compute";
+    if (multipass)
+        figures["passes"] = {{"intersect", picture.passes.intersect},
+                             {"traverse", picture.passes.traverse},
+                             {"shade", picture.passes.shade}};
     figures["gpuMs"] = picture.figures.gpuMs;
     figures["earlierGpuMs"] = picture.earlierMs;
     figures["samples"] = samplesToJson(options, picture);
@@ -60,6 +69,7 @@ nlohmann::json figuresOf(const Picture& picture, const TraceOptions& options, co
         const StageTimes& times = picture.stageTimes;
         figures["deviceStages"] = {
             {"traceMs", times.traceMs}, {"shadeMs", times.shadeMs}, {"resolveMs", times.resolveMs}};
+        if (multipass) figures["deviceStages"]["intersectMs"] = times.intersectMs;
     }
     return figures;
 }

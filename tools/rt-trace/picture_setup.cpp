@@ -88,6 +88,7 @@ PictureNeeds needsOf(const TraceOptions& options, const PictureSetup& setup) {
     needs.multisample = options.samples > 1;
     needs.aovs = (options.aovs & kExtraAovs) != 0 || options.heat != Heat::None;
     needs.time = (options.aovs & kAovTime) != 0 || options.heat == Heat::Time;
+    needs.multipass = options.kernel == Kernel::Multipass;
     needs.moments = (options.aovs & kAovVariance) != 0 || options.targetError > 0.0;
     return needs;
 }

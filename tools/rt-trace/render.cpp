@@ -71,6 +71,8 @@ GpuView::GpuView(const CameraParams& camera, const RenderParams& params, const s
       paramsBuffer_(createDynamicBuffer(sizeof(RenderParams))),
       lightBuffer_(createBuffer(std::as_bytes(std::span(lights)))), slots_(features, limits, mostSamples) {
     params_.slots = {slots_.count(), 0, 0, 0};
+    if (features.multipass)
+        passes_.emplace(glm::uvec2(params.region.z, params.region.w) - glm::uvec2(params.region));
 }
 
 void GpuView::bind() const {
@@ -78,6 +80,7 @@ void GpuView::bind() const {
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_RENDER, paramsBuffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_LIGHTS, lightBuffer_.name());
     slots_.bind();
+    if (passes_) passes_->bind();
     checkGl("binding the camera");
 }
 
@@ -89,7 +92,11 @@ void GpuView::renderBatch(const GpuPrograms& programs, const glm::uvec4& region,
     params.samples.y = count;
     updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
-    slots_.render(programs, samplesIn(region) * count, times_);
+    const glm::uvec4 corner(params.size.z, params.size.w, params.size.z, params.size.w);
+    if (passes_)
+        passes_->render(programs, count > 0 ? region - corner : glm::uvec4(0), times_);
+    else
+        slots_.render(programs, samplesIn(region) * count, times_);
 }
 
 void GpuView::render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count) {
@@ -97,7 +104,7 @@ void GpuView::render(const GpuPrograms& programs, const glm::uvec4& region, unsi
         for (const glm::uvec4& half : halvesOf(region)) render(programs, half, first, count);
         return;
     }
-    const unsigned most = slots_.count() / samplesIn(region);
+    const unsigned most = passes_ ? 1 : slots_.count() / samplesIn(region);
     for (unsigned done = 0; done < count; done += most)
         renderBatch(programs, region, first + done, std::min(most, count - done));
 }

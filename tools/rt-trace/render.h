@@ -1,8 +1,10 @@
 #pragma once
 #include "formats/gpu_interface.shared.h"
 #include "formats/material.shared.h"
+#include "tools/rt-trace/ray_passes.h"
 #include "tools/rt-trace/sample_slots.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,8 +30,8 @@ std::uint64_t samplesToTrace(const glm::uvec4& window, unsigned samples);
 /// Camera, parameters and lights in the device's memory.
 class GpuView {
 public:
-    /// `lights` are in atlas space, see chooseLights(); `features` are the programs'. There will not be room
-    /// for more than `mostSamples` samples.
+    /// What is rendered lies in `params.region`. `lights` are in atlas space, see chooseLights(); `features`
+    /// are the programs'. There will not be room for more than `mostSamples` samples.
     GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
             const SceneFeatures& features, const GlLimits& limits, std::uint64_t mostSamples = 1u << 20);
     void bind() const;
@@ -37,6 +39,8 @@ public:
     void render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count);
     /// From now on the times of all that is rendered are added there, which makes it slower.
     void measure(StageTimes& times) { times_ = &times; }
+    /// Of --kernel multipass, of all that was rendered.
+    PassCounts passes() const { return passes_ ? passes_->counts() : PassCounts{}; }
     /// Dispatches the programs without rendering anything.
     void warmUp(const GpuPrograms& programs) { renderBatch(programs, glm::uvec4(0), 0, 0); }
 
@@ -46,6 +50,7 @@ private:
     RenderParams params_;
     GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_;
     SampleSlots slots_;
+    std::optional<RayPasses> passes_;
     StageTimes* times_ = nullptr;
 };
 

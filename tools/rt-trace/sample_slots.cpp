@@ -37,17 +37,6 @@ void use(const GlProgram& program, unsigned stage, unsigned round) {
     glUniform1ui(RT_LOCATION_ROUND, round);
 }
 
-// What `work` gives the device to do; `ms` is where its time is added, if anybody wants to know.
-template <class Work>
-void timed(double* ms, const Work& work) {
-    if (!ms) return work();
-    glFinish();
-    const double beginMs = programMs();
-    work();
-    glFinish();
-    *ms += programMs() - beginMs;
-}
-
 // Of `samples`, or of those in the round's queue.
 void traceAndShade(const GpuPrograms& programs, unsigned stage, unsigned round, unsigned samples,
                    StageTimes* times) {
@@ -76,6 +65,15 @@ void copyRounds(const GlBuffer& from, unsigned first, const GlBuffer& to, unsign
 }
 
 } // namespace
+
+void timed(double* ms, const std::function<void()>& work) {
+    if (!ms) return work();
+    glFinish();
+    const double beginMs = programMs();
+    work();
+    glFinish();
+    *ms += programMs() - beginMs;
+}
 
 SampleSlots::SampleSlots(const SceneFeatures& features, const GlLimits& limits, std::uint64_t most)
     : count_(slotCount(features, limits, most)),

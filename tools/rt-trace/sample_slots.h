@@ -5,15 +5,21 @@
 #include "tools/rt-trace/slot_layout.h"
 
 #include <cstdint>
+#include <functional>
 
 namespace rt {
 
 /// Milliseconds on the host's clock that the device takes for the parts of its work.
 struct StageTimes {
     double traceMs = 0.0;
+    double intersectMs = 0.0; ///< of RayPasses, whose traceMs is without it
     double shadeMs = 0.0;
     double resolveMs = 0.0;
 };
+
+/// What `work` gives the device to do. The device is awaited before and after it, and its time added to `ms`,
+/// if anybody wants to know.
+void timed(double* ms, const std::function<void()>& work);
 
 /// Room on the device for the samples of a batch, and the rounds that trace one ray of each.
 class SampleSlots {

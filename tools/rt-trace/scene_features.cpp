@@ -22,6 +22,7 @@ std::span<const FeatureRow> featureTable() {
          "the device says which invocations run side by side, and scattered rays want to know"},
         {"RT_SOFTWARE", &SceneFeatures::software,
          "the device is software: loops end after 65,535 rounds, and fma() is two roundings"},
+        {"RT_MULTIPASS", &SceneFeatures::multipass, "--kernel multipass was given"},
         {"RT_COUNT_WORK", &SceneFeatures::countWork, "--stats was asked for"},
         {"RT_HAS_SLIVERS", &SceneFeatures::hasSlivers, "the atlas marks triangles as slivers"},
         {"RT_HAS_TEXTURES", &SceneFeatures::hasTextures, "a material in use has an image"},
@@ -110,6 +111,7 @@ SceneFeatures renderFeatures(const Atlas& atlas, const PictureNeeds& needs) {
     features.hasAovs = needs.aovs;
     features.hasTime = needs.time;
     features.hasMoments = needs.moments;
+    features.multipass = needs.multipass;
     return features;
 }
 

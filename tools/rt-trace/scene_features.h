@@ -16,6 +16,7 @@ struct SceneFeatures {
     unsigned scatteredRays = 0;
     unsigned subgroups = 0;
     unsigned software = 0;
+    unsigned multipass = 0; ///< only of pictures, in float and without hasTime
     unsigned countWork = 0;
     unsigned hasSlivers = 0;
     unsigned hasTextures = 0;
@@ -63,6 +64,7 @@ struct PictureNeeds {
     bool aovs = false;
     bool time = false; ///< with aovs only
     bool moments = false;
+    bool multipass = false;
 };
 
 /// Features of a picture. A material counts only if a triangle uses it. Safe for an atlas of which only the

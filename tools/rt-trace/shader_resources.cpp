@@ -103,9 +103,11 @@ void splitVoxels(ResourcePlan& plan, const ResourceLimits& limits, const std::st
         voxels.depthShift = shiftFor(mostLayers);
         voxels.count = ((voxels.dims.z - 1) >> voxels.depthShift) + 1;
     }
-    if (voxels.count + RT_TEXTURE_FIRST_VOXELS > limits.textureUnits)
+    voxels.firstUnit =
+        plan.features.multipass ? RT_TEXTURE_FIRST_RAYS + kRayTextureCount : RT_TEXTURE_FIRST_VOXELS;
+    if (voxels.count + voxels.firstUnit > limits.textureUnits)
         fail(fmt::format("it needs {} textures, this device allows {}", voxels.count,
-                         limits.textureUnits - RT_TEXTURE_FIRST_VOXELS));
+                         limits.textureUnits - voxels.firstUnit));
 }
 
 // `TYPE load(ARGUMENT)`: a plain read of piece 0, or a switch over the pieces.
@@ -134,8 +136,7 @@ std::string arrayText(const PagedArray& array) {
 std::string voxelText(const VoxelSlabs& voxels) {
     std::string text;
     for (unsigned k = 0; k < voxels.count; ++k)
-        text += fmt::format("layout(binding = {}) uniform usampler3D voxels{};\n",
-                            RT_TEXTURE_FIRST_VOXELS + k, k);
+        text += fmt::format("layout(binding = {}) uniform usampler3D voxels{};\n", voxels.firstUnit + k, k);
     const std::string place =
         voxels.count == 1 ? "c" : fmt::format("ivec3(c.xy, c.z & {})", (1u << voxels.depthShift) - 1);
     return text + loadFunction("uint loadVoxel(ivec3 c)", voxels.count,
@@ -169,6 +170,15 @@ std::string queryText(const SceneFeatures& features) {
     return text;
 }
 
+// The textures of RayPasses, in the order of their units.
+std::string rayTexturesText() {
+    std::string text;
+    unsigned unit = RT_TEXTURE_FIRST_RAYS;
+    for (const char* name : {"color", "origin", "direction", "progress", "hit"})
+        text += fmt::format("layout(binding = {}) uniform usampler2D {}Texture;\n", unit++, name);
+    return text;
+}
+
 std::string renderText(const SceneFeatures& features) {
     std::string text = uniformText(RT_BINDING_CAMERA, "CameraParams", "CameraBlock", "camera") +
                        uniformText(RT_BINDING_RENDER, "RenderParams", "RenderBlock", "picture") +
@@ -187,6 +197,7 @@ std::string renderText(const SceneFeatures& features) {
         text +=
             bufferText(RT_BUFFER_ENVIRONMENT, "readonly", "float", "environmentTable") +
             fmt::format("layout(binding = {}) uniform sampler2D environmentMap;\n", RT_TEXTURE_ENVIRONMENT);
+    if (features.multipass) text += rayTexturesText();
     if (features.countWork) text += imageText(RT_IMAGE_COUNTERS, "rgba32ui", "", "uimage2D", "counterImage");
     if (features.hasMoments) text += imageText(RT_IMAGE_MOMENTS, "rg32f", "", "image2D", "momentImage");
     if (features.hasAovs)

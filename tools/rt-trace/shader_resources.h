@@ -15,11 +15,11 @@ enum class ShaderKind { Render, Query };
 /// What the device allows; tests lower the figures to force many small pieces.
 struct ResourceLimits {
     std::uint64_t storageBlockBytes = 0; ///< of one storage buffer
-    unsigned storageBlocks = 0;          ///< storage buffers in one compute shader
+    unsigned storageBlocks = 0;          ///< storage buffers in one shader
     unsigned storageBindings = 0;        ///< numbers that storage buffers may be bound to
     unsigned textureSize3D = 0;          ///< voxels along each axis of a 3D texture
     std::uint64_t textureBytes = 0;      ///< of one texture
-    unsigned textureUnits = 0;           ///< textures in one compute shader
+    unsigned textureUnits = 0;           ///< textures in one shader
 };
 
 /// One array of the atlas, split into pages of 2^pageShift elements, each of which fits one storage buffer.
@@ -42,6 +42,7 @@ struct VoxelSlabs {
     glm::uvec3 dims{0};
     unsigned depthShift = 0; ///< means nothing where there is one slab
     unsigned count = 1;
+    unsigned firstUnit = 0; ///< texture unit of the first slab
 
     unsigned firstLayer(unsigned slab) const { return count == 1 ? 0 : slab << depthShift; }
     unsigned layers(unsigned slab) const;

@@ -13,13 +13,14 @@ ShaderText variantText(const ResourcePlan& plan, const std::string& entry, const
 
 /// The programs of one kind of work.
 struct GpuPrograms {
-    GlProgram trace; ///< rays of a query, or of a round of samples
-    GlProgram shade; ///< what samples' rays have met; only of a picture
+    GlProgram trace;     ///< rays of a query, or of a round of samples; of RayPasses: their steps
+    GlProgram intersect; ///< only of RayPasses: triangle tests between the steps
+    GlProgram shade;     ///< what samples' rays have met; only of a picture
 };
 /// They may go on being compiled while other commands follow.
 struct CompilingPrograms {
     CompilingProgram trace;
-    std::optional<CompilingProgram> shade;
+    std::optional<CompilingProgram> intersect = {}, shade = {};
     bool areFromCache() const;
     /// As CompilingProgram::finish().
     GpuPrograms finish();

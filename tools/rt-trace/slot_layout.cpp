@@ -31,18 +31,23 @@ SlotLayout slotLayout(const SceneFeatures& f) {
     const bool manyJobs = f.hasOcclusion + f.lightCount + f.hasEnvironment > 1;
     const unsigned point = f.doublePrecision ? 2 : 1;
     layout.pointPlanes = point;
-    layout.firstHit = place(point);
-    layout.color = place(1);
+    if (!f.multipass) layout.firstHit = place(point);
+    if (!f.multipass) layout.color = place(1);
     layout.albedo = place(f.hasAovs ? 1 : 0);
     layout.time = place(f.hasTime ? 1 : 0);
     layout.work = place(f.hasAovs || f.countWork ? 2 : 0);
     layout.resultPlanes = layout.planes;
-    layout.flight = place(2 * point);
-    layout.hit = place(point);
+    if (!f.multipass) layout.flight = place(2 * point);
+    if (!f.multipass) layout.hit = place(point);
     layout.path = place(2);
     layout.arriving = place(tints ? 3 : 1);
     layout.lit = place(manyJobs ? 3 * point : 0);
     layout.stack = place(stackSize(f) * (2 * point + 2));
+    if (f.multipass) { // in textures
+        layout.color = layout.planes;
+        layout.flight = layout.planes + 1;
+        layout.hit = layout.firstHit = layout.planes + 3;
+    }
     return layout;
 }
 

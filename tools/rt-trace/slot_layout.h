@@ -7,7 +7,8 @@
 namespace rt {
 
 /// How samples wait in memory between two rays: planes of 16 bytes for each slot, one plane after the other.
-/// The shader's part is shaders/path.glsl.
+/// The shader's part is shaders/path.glsl. With --kernel multipass color, flight and hit have numbers from
+/// `planes` on, and are textures (RayPasses).
 struct SlotLayout {
     unsigned pointPlanes = 0; ///< of a point or direction and a word with it
     // The first plane of each part; parts that a variant does not have are empty.

@@ -76,7 +76,10 @@ std::vector<MemoryNeed> memoryOf(const TraceOptions& options, const PictureSetup
     SceneFeatures counting = features;
     counting.countWork = 1;
     const std::uint64_t counted = options.stats ? Film::bytesFor(options.window, counting) : 0;
+    const glm::uvec2 size(options.window.z - options.window.x, options.window.w - options.window.y);
+    const std::uint64_t rays = features.multipass ? RayPasses::bytesFor(size) * (options.stats ? 2 : 1) : 0;
     return {{"the picture", Film::bytesFor(options.window, features) + counted, "lower --size or use --crop"},
+            {"the rays in textures", rays, "lower --size or use --crop"},
             {"the environment", GpuEnvironment::bytesFor(setup.environment), "scale --environment down"}};
 }
 

@@ -63,7 +63,7 @@ GpuAtlas uploadAtlas(const Atlas& atlas, const ResourcePlan& plan, const GlLimit
     grid.counts.w = lightCount;
     gpu.grid_ = createBuffer(std::as_bytes(std::span(&grid, 1)));
     for (unsigned k = 0; k < plan.voxels.count; ++k)
-        gpu.textures_.emplace_back(RT_TEXTURE_FIRST_VOXELS + k, uploadSlab(ring, atlas, plan.voxels, k));
+        gpu.textures_.emplace_back(plan.voxels.firstUnit + k, uploadSlab(ring, atlas, plan.voxels, k));
     for (const PagedArray& array : plan.arrays)
         for (unsigned k = 0; k < array.pageCount; ++k)
             gpu.buffers_.emplace_back(array.firstBinding + k, ring.createBuffer(array.page(k)));

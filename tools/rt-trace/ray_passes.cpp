@@ -1,0 +1,118 @@
+#include "tools/rt-trace/ray_passes.h"
+
+#include "common/error.h"
+#include "formats/gpu_interface.shared.h"
+
+#include <epoxy/gl.h>
+
+#include <initializer_list>
+#include <vector>
+
+namespace rt {
+namespace {
+
+constexpr unsigned kIterationsInGroup = 8; // before the host asks whether there are rays left
+constexpr std::uint64_t kTexelBytes = 16;
+
+GlFramebuffer createTargets(const std::array<GlTexture, kRayTextureCount>& textures,
+                            std::initializer_list<unsigned> units) {
+    GLuint name = 0;
+    glCreateFramebuffers(1, &name);
+    GlFramebuffer framebuffer(name);
+    std::vector<GLenum> attachments;
+    for (const unsigned unit : units) {
+        attachments.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(attachments.size()));
+        glNamedFramebufferTexture(name, attachments.back(), textures[unit - RT_TEXTURE_FIRST_RAYS].name(), 0);
+    }
+    glNamedFramebufferDrawBuffers(name, static_cast<GLsizei>(attachments.size()), attachments.data());
+    if (glCheckNamedFramebufferStatus(name, GL_DRAW_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        throw Error(ErrorKind::NoGpu, "the device cannot render into textures of four 32-bit integers, as "
+                                      "--kernel multipass does; use --kernel compute");
+    return framebuffer;
+}
+
+GlVertexArray createVertexArray() {
+    GLuint name = 0;
+    glCreateVertexArrays(1, &name);
+    return GlVertexArray(name);
+}
+
+GlQuery createAnySamplesQuery() {
+    GLuint name = 0;
+    glCreateQueries(GL_ANY_SAMPLES_PASSED, 1, &name);
+    return GlQuery(name);
+}
+
+// One pass over the viewport. What it writes can be read by the next one, at the same pixel.
+void draw(const GlProgram& program, const GlFramebuffer& targets) {
+    glUseProgram(program.name());
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets.name());
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glTextureBarrier();
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
+}
+
+void drawShade(const GlProgram& program, const GlFramebuffer& targets, unsigned stage) {
+    glProgramUniform1ui(program.name(), RT_LOCATION_STAGE, stage);
+    draw(program, targets);
+}
+
+} // namespace
+
+RayPasses::RayPasses(glm::uvec2 size) {
+    for (GlTexture& texture : textures_) texture = createTexture2D(GL_RGBA32UI, size.x, size.y);
+    intersectTarget_ = createTargets(textures_, {RT_TEXTURE_HIT});
+    traverseTarget_ = createTargets(textures_, {RT_TEXTURE_PROGRESS});
+    shadeTargets_ = createTargets(
+        textures_, {RT_TEXTURE_COLOR, RT_TEXTURE_ORIGIN, RT_TEXTURE_DIRECTION, RT_TEXTURE_PROGRESS});
+    noVertices_ = createVertexArray();
+    anyRay_ = createAnySamplesQuery();
+    checkGl("making the textures of the rays", "lower --size or use --crop");
+}
+
+std::uint64_t RayPasses::bytesFor(glm::uvec2 size) {
+    return std::uint64_t(size.x) * size.y * kTexelBytes * kRayTextureCount;
+}
+
+void RayPasses::bind() const {
+    for (unsigned i = 0; i < kRayTextureCount; ++i)
+        glBindTextureUnit(RT_TEXTURE_FIRST_RAYS + i, textures_[i].name());
+    glBindVertexArray(noVertices_.name());
+    checkGl("binding the rays");
+}
+
+void RayPasses::iterate(const GpuPrograms& programs, StageTimes* times) {
+    timed(times ? &times->intersectMs : nullptr, [&] { draw(programs.intersect, intersectTarget_); });
+    timed(times ? &times->traceMs : nullptr, [&] { draw(programs.trace, traverseTarget_); });
+    timed(times ? &times->shadeMs : nullptr,
+          [&] { drawShade(programs.shade, shadeTargets_, kStageAdvance); });
+    ++counts_.intersect;
+    ++counts_.traverse;
+    ++counts_.shade;
+}
+
+// After an iteration in which pixels that have no ray drew nothing.
+bool RayPasses::isAnyRayLeft(const GpuPrograms& programs, StageTimes* times) {
+    glBeginQuery(GL_ANY_SAMPLES_PASSED, anyRay_.name());
+    iterate(programs, times);
+    glEndQuery(GL_ANY_SAMPLES_PASSED);
+    GLuint any = GL_FALSE;
+    glGetQueryObjectuiv(anyRay_.name(), GL_QUERY_RESULT, &any);
+    return any != GL_FALSE;
+}
+
+void RayPasses::render(const GpuPrograms& programs, const glm::uvec4& region, StageTimes* times) {
+    const PassCounts before = counts_;
+    glViewport(static_cast<GLint>(region.x), static_cast<GLint>(region.y),
+               static_cast<GLsizei>(region.z - region.x), static_cast<GLsizei>(region.w - region.y));
+    timed(times ? &times->shadeMs : nullptr, [&] { drawShade(programs.shade, shadeTargets_, kStageBegin); });
+    ++counts_.shade;
+    do {
+        for (unsigned i = 1; i < kIterationsInGroup; ++i) iterate(programs, times);
+    } while (isAnyRayLeft(programs, times));
+    timed(times ? &times->resolveMs : nullptr,
+          [&] { drawShade(programs.shade, shadeTargets_, kStageResolve); });
+    if (region.z == region.x) counts_ = before; // a warm-up
+}
+
+} // namespace rt
