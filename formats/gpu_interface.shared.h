@@ -101,6 +101,14 @@ struct TraceRound {
     uvec4 groups; // xyz work groups, for an indirect dispatch; w = 0
     uvec4 counts; // in the round's queue: x rays of paths from its front, y shadow rays from its end; zw = 0
 };
+// --kernel multipass: depths say which pass has something to do at a pixel, so that the device can leave it
+// out before a shader runs. Intersect and shade want those behind their own depth; shade leaves its own
+// there.
+RT_SHARED_CONST float kDepthNothing = 0.0f; // no ray, or in a voxel without triangles
+RT_SHARED_CONST float kDepthOfIntersect = 0.25f;
+RT_SHARED_CONST float kDepthTriangles = 0.5f; // in a voxel with triangles
+RT_SHARED_CONST float kDepthOfShade = 0.75f;
+RT_SHARED_CONST float kDepthLanded = 1.0f; // the walk is over
 // What a dispatch of the renderer does.
 RT_SHARED_CONST uint kStageBegin = 0u;   // a batch: its first round
 RT_SHARED_CONST uint kStageAdvance = 1u; // another round

@@ -36,6 +36,7 @@ const uint kBegun = 1u;   // the ray is in its first voxel, the hit texture hold
 const uint kWalking = 2u; // it is in another one
 const uint kLanded = 3u;  // its walk is over, the hit texture says with what
 const uint kOutside = 4u; // it never enters the grid
+const uint kResting = 5u; // ended, and the pixel's depth says so
 
 // How far a ray has come.
 struct Progress {

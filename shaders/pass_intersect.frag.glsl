@@ -17,13 +17,14 @@
 #include "shaders/batch.glsl"
 #include "shaders/pass.glsl"
 
+layout(early_fragment_tests) in;
 layout(location = 0) out uvec4 hitTarget;
 
 void main() {
     findTexel();
     Progress p = loadProgress();
-    bool begun = p.phase == kBegun, hasList = p.word >= kOccupiedBit;
-    if (!isUnderWay(p) || !(begun || hasList || kCountWork)) discard;
+    if (!isUnderWay(p)) discard; // shaded a moment ago, and no ray has followed
+    bool begun = p.phase == kBegun;
     loadFlight();
     Ray ray = flight.ray;
     real tEnter;
@@ -31,7 +32,7 @@ void main() {
     Hit best = Hit(ray.tMax, 0.0f, 0.0f, kNoTriangle);
     if (!begun) best = loadHit(false);
     WorkCounters work = WorkCounters(0u, 1u, 0u, 0u);
-    if (hasList) intersectList(ray, shearAlong(ray.direction), p.word, best, work);
+    if (p.word >= kOccupiedBit) intersectList(ray, shearAlong(ray.direction), p.word, best, work);
     if (kSoftware && walkCutShort) best.triangle = kWalkCutShort;
     storeHit(false, best);
     if (kCountWork) countWork(false, work);

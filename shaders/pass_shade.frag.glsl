@@ -24,6 +24,7 @@
 #include "shaders/shade.glsl"
 #include "shaders/follow.glsl"
 
+layout(early_fragment_tests) in;
 layout(location = 0) out uvec4 colorTarget;
 layout(location = 1) out uvec4 originTarget;
 layout(location = 2) out uvec4 directionTarget;
@@ -68,11 +69,8 @@ void main() {
         resolve(place.pixel);
         discard;
     }
-    Progress p = loadProgress();
-    bool first = stage == kStageBegin;
-    if (!first && p.phase != kLanded && p.phase != kOutside) discard;
-    bool goesOn = first ? begin(place) : advance(place, p);
-    p = Progress(kEnded, ivec3(kPlaceZero), 0, 0u);
+    bool goesOn = stage == kStageBegin ? begin(place) : advance(place, loadProgress());
+    Progress p = Progress(kEnded, ivec3(kPlaceZero), 0, 0u);
     storeSample();
     if (goesOn) {
         storeFlight();

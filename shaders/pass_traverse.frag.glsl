@@ -19,26 +19,39 @@
 
 layout(location = 0) out uvec4 progressTarget;
 
-void main() {
-    findTexel();
-    Progress p = loadProgress();
-    if (!isUnderWay(p)) discard;
+// One step; returns whether the walk is over.
+bool stepOn(inout Progress p) {
     loadFlight();
     Ray ray = flight.ray;
     real tEnter;
     enterGrid(ray, tEnter);
     Hit best = loadHit(false);
-    p.phase = kLanded;
-    bool isFound = best.triangle != kNoTriangle && (flight.anyHit || best.triangle == kWalkCutShort);
-    if (!isFound) {
-        GridRay g = toGridRay(ray);
-        uint word = p.word >= kOccupiedBit ? loadReference(leafList(p.word)) : p.word;
-        real t = leap(g, word, p.sizeShift, p.at);
-        ivec3 voxel = p.at ^ g.toVoxel;
-        if (!endsAt(t, voxel, best)) {
+    if (best.triangle == kWalkCutShort || (flight.anyHit && best.triangle != kNoTriangle)) return true;
+    GridRay g = toGridRay(ray);
+    uint word = p.word >= kOccupiedBit ? loadReference(leafList(p.word)) : p.word;
+    real t = leap(g, word, p.sizeShift, p.at);
+    ivec3 voxel = p.at ^ g.toVoxel;
+    if (endsAt(t, voxel, best)) return true;
+    p.word = lookUp(voxel, p.sizeShift);
+    return false;
+}
+
+void main() {
+    findTexel();
+    Progress p = loadProgress();
+    if (p.phase == kResting) discard;
+    gl_FragDepth = kDepthLanded;
+    if (p.phase == kEnded) {
+        p.phase = kResting;
+        gl_FragDepth = kDepthNothing;
+    } else if (isUnderWay(p)) {
+        if (stepOn(p)) {
+            p.phase = kLanded;
+            p.at = ivec3(kPlaceZero);
+        } else {
             p.phase = kWalking;
-            p.word = lookUp(voxel, p.sizeShift);
+            gl_FragDepth = kCountWork || p.word >= kOccupiedBit ? kDepthTriangles : kDepthNothing;
         }
     }
-    progressTarget = p.phase == kWalking ? wordsOf(p) : uvec4(kLanded << kPlaceBits, uvec3(0u));
+    progressTarget = wordsOf(p);
 }

@@ -69,5 +69,6 @@ Ray pixelRay(uvec2 pixel, Sampler s) {
         direction = direction * real(camera.forward.w) - shift;
         eye += shift;
     }
-    return Ray(eye, normalize(direction), 0.0f, kUnlimited);
+    precise real3 unit = normalize(direction); // so that every program goes on with the same
+    return Ray(eye, unit, 0.0f, kUnlimited);
 }

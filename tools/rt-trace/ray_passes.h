@@ -30,10 +30,13 @@ public:
     const PassCounts& counts() const { return counts_; }
 
 private:
-    void iterate(const GpuPrograms& programs, StageTimes* times);
-    bool isAnyRayLeft(const GpuPrograms& programs, StageTimes* times);
+    void intersect(const GpuPrograms& programs, StageTimes* times);
+    void traverse(const GpuPrograms& programs, StageTimes* times);
+    void shade(const GpuPrograms& programs, unsigned stage, StageTimes* times);
+    bool iterate(const GpuPrograms& programs, StageTimes* times, bool isAsked);
 
     std::array<GlTexture, kRayTextureCount> textures_;
+    GlTexture depth_;
     GlFramebuffer intersectTarget_, traverseTarget_, shadeTargets_;
     GlVertexArray noVertices_;
     GlQuery anyRay_;
