@@ -48,7 +48,8 @@ real3 panoramaDirection(real2 at) {
     float longitude = kPi * float(at.x), latitude = 0.5f * kPi * float(at.y);
     real3 right = normalize(real3(camera.right.xyz)), up = normalize(real3(camera.up.xyz));
     real3 level = real(cos(longitude)) * real3(camera.forward.xyz) + real(sin(longitude)) * right;
-    return normalize(real(cos(latitude)) * level + real(sin(latitude)) * up);
+    precise real3 direction = normalize(real(cos(latitude)) * level + real(sin(latitude)) * up);
+    return direction;
 }
 
 const real kUnlimited = 1e30f;
@@ -60,7 +61,8 @@ Ray pixelRay(uvec2 pixel, Sampler s) {
     at.y = -at.y;
     real3 eye = real3(camera.eye.xyz);
     real3 across = camera.right.xyz * at.x + camera.up.xyz * at.y;
-    if (kView == kOrthographicView) return Ray(eye + across, real3(camera.forward.xyz), 0.0f, kUnlimited);
+    precise real3 onPlane = eye + across; // here and below: every program goes on with the same ray
+    if (kView == kOrthographicView) return Ray(onPlane, real3(camera.forward.xyz), 0.0f, kUnlimited);
     if (kView == kPanoramaView) return Ray(eye, panoramaDirection(at), 0.0f, kUnlimited);
     real3 direction = camera.forward.xyz + across;
     if (kHasLens) {
@@ -69,6 +71,6 @@ Ray pixelRay(uvec2 pixel, Sampler s) {
         direction = direction * real(camera.forward.w) - shift;
         eye += shift;
     }
-    precise real3 unit = normalize(direction); // so that every program goes on with the same
+    precise real3 unit = normalize(direction);
     return Ray(eye, unit, 0.0f, kUnlimited);
 }

@@ -5,12 +5,30 @@
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/render_loop.h"
 
+#include <cstring>
+
 namespace rt::test {
 
 struct Picture {
     FilmPixels pixels;
     std::vector<glm::uvec4> counters; ///< of each pixel; empty unless work is counted
 };
+
+/// To the bit.
+template <class T>
+bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+inline void expectSame(const FilmPixels& a, const FilmPixels& b) {
+    EXPECT_TRUE(sameBits(a.colors, b.colors));
+    EXPECT_TRUE(sameBits(a.surfaces, b.surfaces));
+    EXPECT_TRUE(sameBits(a.ids, b.ids));
+    EXPECT_TRUE(sameBits(a.albedos, b.albedos));
+    EXPECT_TRUE(sameBits(a.positions, b.positions));
+    EXPECT_TRUE(sameBits(a.texcoords, b.texcoords));
+    EXPECT_TRUE(sameBits(a.variances, b.variances));
+}
 
 inline BoundsD boundsOfAtlas(const Atlas& atlas) {
     const AtlasInfo& info = atlas.info;

@@ -87,6 +87,8 @@ struct SceneSettings {
     bool lens = false;
     bool multisample = false;
     bool aovs = false;
+    std::uint32_t structure = kStructureCloud;
+    bool multipass = false;
 };
 
 struct Shot {
@@ -194,7 +196,7 @@ private:
     static Atlas atlasOf(Mesh mesh, const SceneSettings& settings) {
         mesh.lights = std::vector<Light>(settings.lights);
         validate(mesh, "mesh");
-        return makeAtlas(mesh, kStructureCloud, glm::uvec3(0)); // as fine as its triangles are many
+        return makeAtlas(mesh, settings.structure, glm::uvec3(0)); // as fine as its triangles are many
     }
     static SceneFeatures featuresFor(const GlContext& context, const Atlas& atlas,
                                      const SceneSettings& settings) {
@@ -207,6 +209,7 @@ private:
         needs.multisample = settings.multisample;
         needs.aovs = settings.aovs;
         needs.moments = true;
+        needs.multipass = settings.multipass;
         SceneFeatures features = renderFeatures(atlas, needs);
         features.software = context.device().software;
         return features;

@@ -5,30 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 
 namespace rt {
 namespace {
 
+using test::expectSame;
 using test::makeAtlas;
 
 constexpr glm::uvec2 kSize(100, 70);
 constexpr std::uint32_t kSamples = 5;
-
-template <class T>
-bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
-void expectSame(const FilmPixels& a, const FilmPixels& b) {
-    EXPECT_TRUE(sameBits(a.colors, b.colors));
-    EXPECT_TRUE(sameBits(a.surfaces, b.surfaces));
-    EXPECT_TRUE(sameBits(a.ids, b.ids));
-    EXPECT_TRUE(sameBits(a.albedos, b.albedos));
-    EXPECT_TRUE(sameBits(a.positions, b.positions));
-    EXPECT_TRUE(sameBits(a.texcoords, b.texcoords));
-    EXPECT_TRUE(sameBits(a.variances, b.variances));
-}
 
 /// A scene on the device with all that samples need.
 class SampledScene {

@@ -48,20 +48,28 @@ float largestDifference(const FilmPixels& a, const FilmPixels& b) {
 TEST_F(Rendering, EverySingleFeatureVariantCompiles) {
     const Atlas atlas = test::makeAtlas(test::makeCube(), kStructureUniform, {2, 2, 2});
     SceneFeatures all;
+    const auto compilesAs = [&](ShaderKind kind, const SceneFeatures& features) {
+        EXPECT_NO_THROW(compileVariant(planResources(atlas, features, kind, limits().resources, "atlas")))
+            << featureDefines(features);
+    };
     const auto compiles = [&](const SceneFeatures& features) {
-        for (const ShaderKind kind : {ShaderKind::Render, ShaderKind::Query})
-            EXPECT_NO_THROW(compileVariant(planResources(atlas, features, kind, limits().resources, "atlas")))
-                << featureDefines(features);
+        for (const ShaderKind kind : {ShaderKind::Render, ShaderKind::Query}) compilesAs(kind, features);
     };
     compiles(all);
     for (const FeatureRow& row : featureTable()) {
         if (row.field == &SceneFeatures::subgroups && !limits().subgroups) continue;
         if (row.field == &SceneFeatures::hasTime && !limits().shaderClock) continue;
         SceneFeatures one;
+        if (row.field == &SceneFeatures::multipass) continue; // below
         one.*row.field = all.*row.field = row.field == &SceneFeatures::maxDepth ? 16 : 1;
         compiles(one);
     }
     compiles(all);
+    SceneFeatures passes;
+    passes.multipass = all.multipass = 1;
+    compilesAs(ShaderKind::Render, passes);
+    all.doublePrecision = all.hasTime = all.subgroups = 0;
+    compilesAs(ShaderKind::Render, all);
 }
 
 TEST_F(Rendering, AFeatureThatTheSceneDoesNotUseDoesNotChangeThePicture) {
