@@ -136,6 +136,35 @@ TEST_F(PictureCommand, MaterialsAreThoseOfTheTrianglesThatWereHit) {
     EXPECT_LT(none, ids.uints.size());
 }
 
+TEST_F(PictureCommand, KernelsGiveTheSamePicture) {
+    const std::vector<std::string> common = {"--size", "20x13", "--aov", "all", "--reproducible"};
+    nlohmann::json reports[2];
+    for (const std::string kernel : {"compute", "multipass"}) {
+        std::vector<std::string> arguments = common;
+        arguments.insert(arguments.end(), {"--kernel", kernel, "--stats", "-o", out.file(kernel + ".exr")});
+        reports[kernel == "multipass"] = figures(arguments);
+    }
+    const CommandResult compared =
+        test::runCommand({RT_BIN_DIR "/rt-compare", out.file("compute.exr"), out.file("multipass.exr")});
+    EXPECT_EQ(compared.exitCode, 0) << compared.out << compared.err;
+    EXPECT_EQ(reports[0]["kernel"], "compute");
+    EXPECT_EQ(reports[1]["kernel"], "multipass");
+    EXPECT_FALSE(reports[0].contains("passes"));
+    EXPECT_GT(reports[1]["passes"]["traverse"], 0);
+    EXPECT_EQ(reports[1]["passes"]["traverse"], reports[1]["passes"]["intersect"]);
+    EXPECT_EQ(reports[0]["raysTotal"], reports[1]["raysTotal"]);
+    EXPECT_EQ(reports[0]["stepsPerRay"], reports[1]["stepsPerRay"]);
+    EXPECT_TRUE(reports[1]["deviceStages"].contains("intersectMs"));
+}
+
+TEST_F(PictureCommand, MultipassRefusesWhatItCannotDo) {
+    expectUsage({"--kernel", "multipass", "--precision", "double"}, "--precision double does not go with");
+    expectUsage({"--kernel", "multipass", "--heat", "time"}, "--kernel multipass does not go with");
+    expectUsage({"--kernel", "multipass", "--aov", "time"}, "--kernel multipass does not go with");
+    expectUsage({"--kernel", "multipass", "--rays", out.file("r.f32")}, "--kernel does not go with --rays");
+    expectUsage({"--kernel", "cuda"}, "--kernel");
+}
+
 // Medians: a pixel may be in the middle of its work when the system runs something else.
 TEST_F(PictureCommand, TimesArePixelsOwnAndNoPartOfAll) {
     const CommandResult probe = trace({"-o", out.file("t.exr"), "--size", "8", "--heat", "time"});
