@@ -16,13 +16,20 @@ namespace {
 void checkFrames(const TraceOptions& options) {
     const CameraRequest& camera = options.camera;
     const bool hasPath = !options.cameraPath.empty();
+    if (options.turntable && (!options.frames || hasPath))
+        throwUsage(options.frames ? "--turntable and --camera-path do not go together"
+                                  : "--turntable needs --frames");
     if (hasPath && (!options.frames || !camera.name.empty()))
         throwUsage(options.frames ? "--camera and --camera-path do not go together: each is a path"
                                   : "--frames and --camera-path go together");
     if (!options.frames) return;
-    if (!hasPath && camera.name.empty())
-        throwUsage("--frames needs --camera-path, or --camera and a scene in which that camera has a path");
-    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees)
+    if (options.turntable && camera.view == kPanoramaView)
+        throwUsage("--turntable needs a view of something, not a panorama");
+    if (!options.turntable && !hasPath && camera.name.empty())
+        throwUsage(
+            "--frames needs --turntable, --camera-path, or --camera and a scene in which that camera has a "
+            "path");
+    if (!options.turntable && (camera.eye || camera.lookAt || camera.up || camera.fovDegrees))
         throwUsage("--eye, --look-at, --up and --fov do not go with --frames: the camera's path says that");
     if (!options.checkpointPath.empty() || !options.resumePath.empty())
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
