@@ -108,8 +108,7 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, OutputTexts& texts) 
                        "A picture for each of these frames of --turntable, --camera-path, or the path that "
                        "the scene's "
                        "--camera "
-                       "has; outputs have %d or %04d in their "
-                       "name")
+                       "has; if there are several, outputs have %d or %04d in their name")
             ->type_name("A-B"),
         app.add_flag("--reproducible", options.reproducible, "Leave times out of the picture's attributes"),
     };

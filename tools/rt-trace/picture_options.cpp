@@ -39,9 +39,10 @@ void checkFrames(const TraceOptions& options) {
 void checkNames(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths) {
         const bool numbered = framePath(path, 0).has_value();
-        if (options.frames && !numbered)
-            throwUsage(
-                fmt::format("-o {}: with --frames a name needs a %d or %04d where the number goes", path));
+        const bool several = options.frames && options.frames->first != options.frames->last;
+        if (several && !numbered)
+            throwUsage(fmt::format(
+                "-o {}: with several --frames a name needs a %d or %04d where the number goes", path));
         if (!options.frames && numbered)
             throwUsage(fmt::format("-o {}: %d stands for the number of a frame; add --frames", path));
     }

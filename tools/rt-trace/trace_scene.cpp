@@ -57,7 +57,7 @@ nlohmann::json makeFrames(const TraceOptions& options, const std::vector<CameraK
     const CameraPose first = setup.pose;
     for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) {
         TraceOptions ofFrame = options;
-        for (std::string& output : ofFrame.outputPaths) output = *framePath(output, frame);
+        for (std::string& output : ofFrame.outputPaths) output = framePath(output, frame).value_or(output);
         moveCamera(setup, cameraOfFrame(options, path, first, frame), options, scene.file.atlas);
         logInfo(fmt::format("frame {}", frame));
         frames.push_back(makePicture(ofFrame, scene, setup, stages));
