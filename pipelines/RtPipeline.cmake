@@ -1,14 +1,21 @@
-# Chains of the tools as CMake/Ninja targets. Each function makes a target NAME and files NAME.* in the current binary
-# folder; NAME.json holds the tool's figures. Steps depend on the files and on the tools that they use; a step whose
-# output did not change does not run those after it.
+# Chains of the tools as CMake targets. Each function makes a target NAME and files NAME.* in the current binary folder;
+# NAME.json holds the tool's figures. A step runs where one of the files that it reads, its options or its tool changed in
+# content; a step whose output came out the same runs none of those after it.
 #
-#   rt_add_scene(NAME MODEL file [ARGS ...])                                                NAME.rtmesh
-#   rt_add_atlas(NAME SCENE scene [STRUCTURE s] [QUALITY q] [RESOLUTION r] [ARGS ...]) NAME.rtatlas
-#   rt_add_render(NAME ATLAS atlas SIZE WxH [ARGS ...])                                     NAME.exr, NAME.png
-#   rt_add_comparison(NAME A render B render MAX_RMSE x [ARGS ...])                         fails if they differ
+#   rt_add_scene(NAME MODELS file... [ARGS ...])                                                   NAME.rtmesh
+#   rt_add_atlas(NAME SCENE scene [STRUCTURE s] [QUALITY q] [RESOLUTION r] [ARGS ...])         NAME.rtatlas
+#   rt_add_render(NAME ATLAS atlas SIZE WxH [CAMERA c] [FRAMES A-B] [SAMPLES n] [PASSES p...] [ARGS ...])
+#                                           NAME.exr and NAME.png; with FRAMES NAME.0001.exr, ... and no NAME.exr
+#   rt_add_comparison(NAME A render B render [MAX_RMSE x] [ARGS ...])    a CTest test; NAME.json, NAME.html
+#   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
+#                                           a CTest test; the target update_goldens takes the renders for the goldens
+#
+# Functions of one pipeline are called in one folder. RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders
+# frames side by side, one on each device at a time.
 cmake_minimum_required(VERSION 3.25)
 
 set(RT_TOOLS_DIR "" CACHE PATH "Folder with the tools; searched in PATH if empty")
+set(RT_DEVICES "auto" CACHE STRING "Devices to render on, as rt-trace --device takes them, with commas between them")
 foreach(tool IN ITEMS import grid trace compare)
     string(TOUPPER RT_${tool} variable)
     if(RT_TOOLS_DIR)
@@ -17,81 +24,160 @@ foreach(tool IN ITEMS import grid trace compare)
         find_program(${variable} rt-${tool} REQUIRED)
     endif()
 endforeach()
+enable_testing()
 
-# Every tool uses all cores: one at a time keeps memory low and measured times true.
+# Import and grid use all cores: one at a time keeps memory low and measured times true. So does a device.
 set_property(GLOBAL APPEND PROPERTY JOB_POOLS rt_tools=1)
+string(REPLACE "," ";" RT_DEVICES "${RT_DEVICES}")
+list(LENGTH RT_DEVICES _rt_device_count)
+math(EXPR _rt_last_device "${_rt_device_count} - 1")
+foreach(device RANGE ${_rt_last_device})
+    set_property(GLOBAL APPEND PROPERTY JOB_POOLS rt_device_${device}=1)
+endforeach()
 
-function(_rt_parse)
-    cmake_parse_arguments(PARSE_ARGV 2 ARG "" "${ARGV0}" "ARGS")
+# _rt_parse(ONE_VALUE LISTS REQUIRED ...): ARG_<key> for each key. ARGS is always one of the lists.
+function(_rt_parse single lists required)
+    cmake_parse_arguments(PARSE_ARGV 3 ARG "" "${single}" "${lists};ARGS")
     if(ARG_UNPARSED_ARGUMENTS OR ARG_KEYWORDS_MISSING_VALUES)
         message(FATAL_ERROR "not understood: ${ARG_UNPARSED_ARGUMENTS} ${ARG_KEYWORDS_MISSING_VALUES}")
     endif()
-    foreach(key IN LISTS ARGV1)
+    foreach(key IN LISTS required)
         if(NOT DEFINED ARG_${key})
             message(FATAL_ERROR "${key} is missing")
         endif()
     endforeach()
-    foreach(key IN LISTS ARGV0 ITEMS ARGS)
+    foreach(key IN LISTS single lists ITEMS ARGS)
         set(ARG_${key} "${ARG_${key}}" PARENT_SCOPE)
     endforeach()
 endfunction()
 
-function(rt_add_scene name)
-    _rt_parse("MODEL" "MODEL" ${ARGN})
-    cmake_path(ABSOLUTE_PATH ARG_MODEL BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+# _rt_step(NAME TOOL POOL OUTPUTS ... INPUTS ... ARGS ...): one call of a tool.
+function(_rt_step name tool pool)
+    cmake_parse_arguments(PARSE_ARGV 3 STEP "" "" "OUTPUTS;INPUTS;ARGS")
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
     add_custom_command(
-        OUTPUT ${base}.rtmesh ${base}.json
-        COMMAND ${RT_IMPORT} ${ARG_MODEL} -o ${base}.rtmesh --depfile ${base}.d --json ${base}.json ${ARG_ARGS}
-        DEPENDS ${ARG_MODEL} ${RT_IMPORT}
+        OUTPUT ${STEP_OUTPUTS} ${base}.json
+        COMMAND ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d --if-changed
+        DEPENDS ${STEP_INPUTS} ${tool}
         DEPFILE ${base}.d
-        COMMENT "Importing ${name}" JOB_POOL rt_tools VERBATIM)
-    add_custom_target(${name} ALL DEPENDS ${base}.rtmesh ${base}.json)
+        COMMENT "Making ${name}" JOB_POOL ${pool} VERBATIM)
+endfunction()
+
+function(rt_add_scene name)
+    _rt_parse("" "MODELS" "MODELS" ${ARGN})
+    foreach(model IN LISTS ARG_MODELS)
+        cmake_path(ABSOLUTE_PATH model BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+        list(APPEND models ${model})
+    endforeach()
+    set(mesh ${CMAKE_CURRENT_BINARY_DIR}/${name}.rtmesh)
+    _rt_step(${name} ${RT_IMPORT} rt_tools OUTPUTS ${mesh} INPUTS ${models} ARGS ${models} -o ${mesh} ${ARG_ARGS})
+    add_custom_target(${name} ALL DEPENDS ${mesh})
 endfunction()
 
 function(rt_add_atlas name)
-    _rt_parse("SCENE;STRUCTURE;QUALITY;RESOLUTION" "SCENE" ${ARGN})
-    set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
+    _rt_parse("SCENE;STRUCTURE;QUALITY;RESOLUTION" "" "SCENE" ${ARGN})
     set(mesh ${CMAKE_CURRENT_BINARY_DIR}/${ARG_SCENE}.rtmesh)
+    set(atlas ${CMAKE_CURRENT_BINARY_DIR}/${name}.rtatlas)
     foreach(option IN ITEMS STRUCTURE QUALITY RESOLUTION)
         if(ARG_${option})
             string(TOLOWER ${option} flag)
             list(PREPEND ARG_ARGS --${flag} ${ARG_${option}})
         endif()
     endforeach()
-    add_custom_command(
-        OUTPUT ${base}.rtatlas ${base}.json
-        COMMAND ${RT_GRID} ${mesh} -o ${base}.rtatlas --json ${base}.json ${ARG_ARGS}
-        DEPENDS ${mesh} ${RT_GRID}
-        COMMENT "Gridding ${name}" JOB_POOL rt_tools VERBATIM)
-    add_custom_target(${name} ALL DEPENDS ${base}.rtatlas ${base}.json)
+    _rt_step(${name} ${RT_GRID} rt_tools OUTPUTS ${atlas} INPUTS ${mesh} ARGS ${mesh} -o ${atlas} ${ARG_ARGS})
+    add_custom_target(${name} ALL DEPENDS ${atlas})
 endfunction()
 
-# --reproducible: a picture that came out the same keeps its time stamp; times are in NAME.json.
+# One step for each frame: those that did not change are skipped, and several devices share them. --reproducible: a picture
+# that came out the same keeps its time stamp; times are in the .json.
 function(rt_add_render name)
-    _rt_parse("ATLAS;SIZE" "ATLAS;SIZE" ${ARGN})
-    set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
-    set(atlas ${CMAKE_CURRENT_BINARY_DIR}/${ARG_ATLAS}.rtatlas)
-    add_custom_command(
-        OUTPUT ${base}.exr ${base}.png ${base}.json
-        COMMAND ${RT_TRACE} ${atlas} -o ${base}.exr -o ${base}.png --size ${ARG_SIZE} --stats --reproducible
-                --json ${base}.json ${ARG_ARGS}
-        DEPENDS ${atlas} ${RT_TRACE}
-        COMMENT "Rendering ${name}" JOB_POOL rt_tools VERBATIM)
-    add_custom_target(${name} ALL DEPENDS ${base}.exr ${base}.png ${base}.json)
+    _rt_parse("ATLAS;SIZE;CAMERA;FRAMES;SAMPLES" "PASSES" "ATLAS;SIZE" ${ARGN})
+    set(options --size ${ARG_SIZE} --stats --reproducible ${ARG_ARGS})
+    if(ARG_CAMERA)
+        list(APPEND options --camera ${ARG_CAMERA})
+    endif()
+    if(ARG_SAMPLES)
+        list(APPEND options --spp ${ARG_SAMPLES})
+    endif()
+    if(ARG_PASSES)
+        list(JOIN ARG_PASSES "," passes)
+        list(APPEND options --aov ${passes})
+    endif()
+    if(ARG_FRAMES STREQUAL "")
+        _rt_picture(pictures ${name} ${ARG_ATLAS} 0 ${options})
+        set(files ${CMAKE_CURRENT_BINARY_DIR}/${name}.exr)
+    elseif(ARG_FRAMES MATCHES "^([0-9]+)-([0-9]+)$" OR ARG_FRAMES MATCHES "^([0-9]+)$")
+        set(first ${CMAKE_MATCH_1})
+        set(last ${CMAKE_MATCH_${CMAKE_MATCH_COUNT}})
+        foreach(frame RANGE ${first} ${last})
+            math(EXPR device "(${frame} - ${first}) % ${_rt_device_count}")
+            string(REGEX REPLACE ".*(....)$" "\\1" padded 000${frame})
+            if(frame GREATER 9999)
+                set(padded ${frame})
+            endif()
+            _rt_picture(frame_pictures ${name}.${padded} ${ARG_ATLAS} ${device} ${options} --frames ${frame})
+            list(APPEND pictures ${frame_pictures})
+        endforeach()
+        set(files ${CMAKE_CURRENT_BINARY_DIR}/${name}.%04d.exr)
+    else()
+        message(FATAL_ERROR "FRAMES ${ARG_FRAMES}: not a range such as 1-48")
+    endif()
+    add_custom_target(${name} ALL DEPENDS ${pictures})
+    set_target_properties(${name} PROPERTIES RT_FILES "${files}" RT_PICTURES "${pictures}")
 endfunction()
 
-# Ninja takes any new output for a success: the report gets its name only once the comparison has passed.
-function(rt_add_comparison name)
-    _rt_parse("A;B;MAX_RMSE" "A;B;MAX_RMSE" ${ARGN})
+# Sets `pictures` to the files of one step of rt-trace.
+function(_rt_picture pictures name atlas device)
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
-    set(a ${CMAKE_CURRENT_BINARY_DIR}/${ARG_A}.exr)
-    set(b ${CMAKE_CURRENT_BINARY_DIR}/${ARG_B}.exr)
-    add_custom_command(
-        OUTPUT ${base}.json
-        COMMAND ${RT_COMPARE} ${a} ${b} --max-rmse ${ARG_MAX_RMSE} --json ${base}.unchecked.json ${ARG_ARGS}
-        COMMAND ${CMAKE_COMMAND} -E rename ${base}.unchecked.json ${base}.json
-        DEPENDS ${a} ${b} ${RT_COMPARE}
-        COMMENT "Comparing ${ARG_A} with ${ARG_B}" JOB_POOL rt_tools VERBATIM)
-    add_custom_target(${name} ALL DEPENDS ${base}.json)
+    set(atlas_file ${CMAKE_CURRENT_BINARY_DIR}/${atlas}.rtatlas)
+    list(GET RT_DEVICES ${device} device_name)
+    _rt_step(${name} ${RT_TRACE} rt_device_${device} OUTPUTS ${base}.exr ${base}.png INPUTS ${atlas_file}
+             ARGS ${atlas_file} -o ${base}.exr -o ${base}.png --device ${device_name} ${ARGN})
+    set(${pictures} ${base}.exr ${base}.png PARENT_SCOPE)
+endfunction()
+
+function(rt_add_comparison name)
+    _rt_parse("A;B;MAX_RMSE" "" "A;B" ${ARGN})
+    _rt_files_of(b ${ARG_B})
+    _rt_compare(${name} ${ARG_A} ${b})
+endfunction()
+
+# Goldens have the names of the pictures.
+function(rt_add_regression name)
+    _rt_parse("RENDER;GOLDENS;MAX_RMSE" "" "RENDER;GOLDENS" ${ARGN})
+    cmake_path(ABSOLUTE_PATH ARG_GOLDENS BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+    _rt_files_of(files ${ARG_RENDER})
+    cmake_path(GET files FILENAME file)
+    _rt_compare(${name} ${ARG_RENDER} ${ARG_GOLDENS}/${file})
+    get_target_property(pictures ${ARG_RENDER} RT_PICTURES)
+    list(FILTER pictures INCLUDE REGEX "[.]exr$")
+    add_custom_target(update_${name}
+        COMMAND ${CMAKE_COMMAND} -E make_directory ${ARG_GOLDENS}
+        COMMAND ${CMAKE_COMMAND} -E copy_if_different ${pictures} ${ARG_GOLDENS}
+        DEPENDS ${pictures} COMMENT "Taking ${ARG_RENDER} for ${ARG_GOLDENS}" VERBATIM)
+    if(NOT TARGET update_goldens)
+        add_custom_target(update_goldens)
+    endif()
+    add_dependencies(update_goldens update_${name})
+endfunction()
+
+# ARG_MAX_RMSE and ARG_ARGS are the caller's.
+function(_rt_compare name render reference)
+    _rt_files_of(files ${render})
+    set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
+    if(ARG_MAX_RMSE)
+        list(PREPEND ARG_ARGS --max-rmse ${ARG_MAX_RMSE})
+    endif()
+    add_test(NAME ${name} COMMAND ${RT_COMPARE} ${files} ${reference} --json ${base}.json --html ${base}.html ${ARG_ARGS})
+endfunction()
+
+# Sets `files` to what rt-compare calls the pictures of a render.
+function(_rt_files_of files render)
+    if(TARGET ${render})
+        get_target_property(of_render ${render} RT_FILES)
+    endif()
+    if(NOT of_render)
+        message(FATAL_ERROR "${render} is no rt_add_render() of this project")
+    endif()
+    set(${files} ${of_render} PARENT_SCOPE)
 endfunction()

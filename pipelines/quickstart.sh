@@ -10,4 +10,5 @@ sh pipelines/install_packages.sh
 cmake --build $tools --target rt-import rt-grid rt-trace rt-compare
 [ -f $work/build.ninja ] || cmake -G Ninja -S pipelines/quickstart -B $work -D RT_TOOLS_DIR="$PWD/$tools/bin"
 cmake --build $work
+ctest --test-dir $work --output-on-failure
 python3 pipelines/quickstart/print_table.py $work

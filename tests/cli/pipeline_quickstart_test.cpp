@@ -25,7 +25,7 @@ protected:
     CommandResult configure() {
         return runCommand({CMAKE_PATH, "-G", "Ninja", "-S", folder_.file("pipelines/quickstart"), "-B", work_,
                            "-DRT_TOOLS_DIR=" RT_BIN_DIR, "-DRT_QUICKSTART_SIZE=96x96",
-                           "-DRT_QUICKSTART_DEVICE=software"});
+                           "-DRT_DEVICES=software"});
     }
     CommandResult build() { return runCommand({CMAKE_PATH, "--build", work_, "--", "-v"}); }
 
@@ -48,6 +48,7 @@ TEST_F(Quickstart, PrintsItsTableAndThenRunsOnlyWhatATouchedModelNeeds) {
     ASSERT_EQ(configure().exitCode, 0);
     const CommandResult first = build();
     ASSERT_EQ(first.exitCode, 0) << first.out << first.err;
+    EXPECT_EQ(runCommand({CTEST_PATH, "--test-dir", work_}).exitCode, 0);
     expectTable(runCommand({PYTHON_PATH, folder_.file("pipelines/quickstart/print_table.py"), work_}));
     for (const char* picture : {"uniform_view.png", "cloud_view.png", "uniform_view.exr", "cloud_view.exr"})
         EXPECT_TRUE(std::filesystem::exists(work_ + "/" + picture)) << picture;

@@ -1,3 +1,4 @@
+#include "tests/support/read_text.h"
 #include "tests/support/run_command.h"
 #include "tests/support/temporary_folder.h"
 
@@ -23,33 +24,9 @@ protected:
         write("model.obj", "mtllib model.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
                            "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
         write("model.mtl", "newmtl red\nKd 0.8 0.1 0.1\n");
-        writePipeline("1e-3", "");
     }
 
     void write(const char* name, const std::string& text) { std::ofstream(folder_.file(name)) << text; }
-
-    void writePipeline(const std::string& maxRmse, const std::string& cloudArguments) {
-        write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
-                                "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n"
-                                "rt_add_scene(scene MODEL model.obj)\n"
-                                "rt_add_atlas(uniform SCENE scene STRUCTURE uniform RESOLUTION 8)\n"
-                                "rt_add_atlas(cloud SCENE scene STRUCTURE cloud)\n"
-                                "rt_add_render(a ATLAS uniform SIZE 16x8 ARGS --device software)\n"
-                                "rt_add_render(b ATLAS cloud SIZE 16x8 ARGS --device software " +
-                                    cloudArguments +
-                                    ")\n"
-                                    "rt_add_comparison(comparison A a B b MAX_RMSE " +
-                                    maxRmse + ")\n");
-    }
-
-    CommandResult configure() {
-        return runCommand({CMAKE_PATH, "-G", "Ninja", "-S", folder_.file("."), "-B", folder_.file("build"),
-                           "-DRT_TOOLS_DIR=" RT_BIN_DIR});
-    }
-
-    CommandResult build() { return runCommand({CMAKE_PATH, "--build", folder_.file("build"), "--", "-v"}); }
-
-    void expectNothingToDo() { EXPECT_THAT(build().out, HasSubstr("no work to do")); }
 
     // Newer than any output; the pause is longer than the ticks of a file system's clock.
     void touch(const char* name) {
@@ -57,65 +34,181 @@ protected:
         std::filesystem::last_write_time(folder_.file(name), std::filesystem::file_time_type::clock::now());
     }
 
+    TemporaryFolder folder_;
+};
+
+class CMakePipeline : public Pipeline {
+protected:
+    CMakePipeline() { writePipeline("1e-3", ""); }
+
+    void writePipeline(const std::string& maxRmse, const std::string& cloudArguments) {
+        writeSteps("rt_add_atlas(uniform SCENE scene STRUCTURE uniform RESOLUTION 8)\n"
+                   "rt_add_atlas(cloud SCENE scene STRUCTURE cloud)\n"
+                   "rt_add_render(a ATLAS uniform SIZE 16x8)\n"
+                   "rt_add_render(b ATLAS cloud SIZE 16x8 PASSES Z albedo ARGS " +
+                   cloudArguments + ")\nrt_add_comparison(comparison A a B b MAX_RMSE " + maxRmse +
+                   " ARGS --channels R,G,B,Z)\n");
+    }
+
+    void writeSteps(const std::string& steps) {
+        write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
+                                "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n"
+                                "rt_add_scene(scene MODELS model.obj)\n" +
+                                    steps);
+    }
+
+    CommandResult configure(const std::string& devices = "software") {
+        return runCommand({CMAKE_PATH, "-G", "Ninja", "-S", folder_.file("."), "-B", folder_.file("build"),
+                           "-DRT_TOOLS_DIR=" RT_BIN_DIR, "-DRT_DEVICES=" + devices});
+    }
+
+    CommandResult build(const std::string& target = "all") {
+        return runCommand({CMAKE_PATH, "--build", folder_.file("build"), "--target", target, "--", "-v"});
+    }
+    CommandResult test() {
+        return runCommand({CTEST_PATH, "--test-dir", folder_.file("build"), "--output-on-failure"});
+    }
+
+    void expectNothingToDo() { EXPECT_THAT(build().out, HasSubstr("no work to do")); }
+
     nlohmann::json report(const char* name) {
         std::ifstream file(folder_.file("build") + "/" + name + ".json");
         return nlohmann::json::parse(file);
     }
-
-    TemporaryFolder folder_;
 };
 
-TEST_F(Pipeline, RunsOnceAndThenHasNothingToDo) {
+TEST_F(CMakePipeline, RunsOnceAndThenHasNothingToDo) {
     ASSERT_EQ(configure().exitCode, 0);
     const CommandResult first = build();
     ASSERT_EQ(first.exitCode, 0) << first.out << first.err;
     EXPECT_EQ(report("scene").at("triangles"), 4);
-    EXPECT_EQ(report("comparison").at("verdict"), "pass");
     for (const char* file : {"a.exr", "a.png", "b.exr", "b.png"})
         EXPECT_TRUE(std::filesystem::exists(folder_.file("build") + "/" + file)) << file;
+    const CommandResult tested = test();
+    EXPECT_EQ(tested.exitCode, 0) << tested.out;
+    EXPECT_EQ(report("comparison").at("verdict"), "pass");
+    EXPECT_TRUE(std::filesystem::exists(folder_.file("build/comparison.html")));
     expectNothingToDo();
 }
 
-TEST_F(Pipeline, ATouchedModelIsImportedAgainAndNothingElseRuns) {
+TEST_F(CMakePipeline, ATouchedModelIsLookedAtAndNothingElseRuns) {
     ASSERT_EQ(configure().exitCode, 0);
     ASSERT_EQ(build().exitCode, 0);
     for (const char* file : {"model.obj", "model.mtl"}) { // the second is known from the depfile only
         touch(file);
         const CommandResult result = build();
-        EXPECT_THAT(result.out, HasSubstr("rt-import"));
+        EXPECT_THAT(result.out, HasSubstr("up to date"));
         EXPECT_THAT(result.out, Not(HasSubstr("rt-grid")));
         expectNothingToDo();
     }
 }
 
-TEST_F(Pipeline, AChangedMaterialReachesThePictures) {
+TEST_F(CMakePipeline, AChangedMaterialReachesThePictures) {
     ASSERT_EQ(configure().exitCode, 0);
     ASSERT_EQ(build().exitCode, 0);
     write("model.mtl", "newmtl red\nKd 0.1 0.8 0.1\n");
     touch("model.mtl");
-    EXPECT_THAT(build().out, HasSubstr("rt-compare"));
+    EXPECT_THAT(build().out, HasSubstr("rt-trace"));
     expectNothingToDo();
 }
 
-TEST_F(Pipeline, AFailingComparisonFailsEveryRunUntilItPasses) {
+TEST_F(CMakePipeline, AFailingComparisonFailsEveryRunUntilItPasses) {
     writePipeline("1e-3", "--background 0.5");
     ASSERT_EQ(configure().exitCode, 0);
+    ASSERT_EQ(build().exitCode, 0);
     for (int run = 0; run < 2; ++run) {
-        const CommandResult result = build();
+        const CommandResult result = test();
         EXPECT_NE(result.exitCode, 0);
         EXPECT_THAT(result.out, HasSubstr("verdict: fail"));
     }
     writePipeline("10", "--background 0.5");
-    EXPECT_EQ(build().exitCode, 0);
+    ASSERT_EQ(build().exitCode, 0);
+    EXPECT_EQ(test().exitCode, 0);
 }
 
-TEST_F(Pipeline, AWrongCallIsRefusedWhenItIsConfigured) {
-    write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
-                            "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n"
-                            "rt_add_atlas(uniform STRUCTURE uniform)\n");
-    const CommandResult result = configure();
-    EXPECT_NE(result.exitCode, 0);
-    EXPECT_THAT(result.err, HasSubstr("SCENE is missing"));
+TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
+    const auto expectRefused = [&](const char* call, const char* words) {
+        writeSteps(call);
+        const CommandResult result = configure();
+        EXPECT_NE(result.exitCode, 0);
+        EXPECT_THAT(result.err, HasSubstr(words));
+    };
+    expectRefused("rt_add_atlas(uniform STRUCTURE uniform)\n", "SCENE is missing");
+    expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8 FRAMES many)\n",
+                  "not a range");
+    expectRefused("rt_add_comparison(c A nothing B scene)\n", "nothing is no rt_add_render");
+}
+
+TEST_F(CMakePipeline, FramesAreSharedByDevicesAndHeldAgainstGoldens) {
+    writeSteps("rt_add_atlas(atlas SCENE scene)\n"
+               "rt_add_render(turn ATLAS atlas SIZE 16x8 FRAMES 9-11 ARGS --turntable 12)\n"
+               "rt_add_regression(turn_test RENDER turn GOLDENS goldens MAX_RMSE 1e-3)\n");
+    ASSERT_EQ(configure("software,auto").exitCode, 0);
+    const CommandResult built = build();
+    ASSERT_EQ(built.exitCode, 0) << built.out << built.err;
+    EXPECT_THAT(built.out, HasSubstr("--device auto"));
+    EXPECT_NE(test().exitCode, 0) << "there are no goldens";
+    EXPECT_EQ(build("update_goldens").exitCode, 0);
+    for (const char* frame : {"turn.0009.exr", "turn.0010.exr", "turn.0011.exr"})
+        EXPECT_TRUE(std::filesystem::exists(folder_.file("goldens/") + frame)) << frame;
+    EXPECT_EQ(test().exitCode, 0);
+    write("model.mtl", "newmtl red\nKd 0.1 0.8 0.1\n");
+    touch("model.mtl");
+    ASSERT_EQ(build().exitCode, 0);
+    EXPECT_NE(test().exitCode, 0) << "the goldens are of the old colour";
+}
+
+class MakePipeline : public Pipeline {
+protected:
+    MakePipeline() {
+        std::filesystem::create_directory(folder_.file("goldens"));
+        write("Makefile", "RT_TOOLS_DIR = " RT_BIN_DIR "\nRT_DEVICES = software,software\n"
+                          "FRAMES = turn.0008 turn.0009\n"
+                          "test: $(FRAMES:%=%.passed)\n"
+                          "include " RT_SOURCE_DIR "/pipelines/rt.mk\n"
+                          "coarse.rtatlas: model.rtmesh\n"
+                          "coarse.rtatlas: RT_GRID_FLAGS = --structure cloud --resolution 8\n"
+                          "$(FRAMES:%=%.exr): coarse.rtatlas\n"
+                          "RT_TRACE_FLAGS = --size 16x8 --turntable 12\n"
+                          "$(FRAMES:%=%.passed): %.passed: %.exr goldens/%.exr\n"
+                          "update-goldens: $(FRAMES:%=%.exr)\n\tcp $^ goldens/\n");
+    }
+
+    CommandResult make(const char* target) {
+        return runCommand({"/usr/bin/make", "-j2", "-C", folder_.file("."), target});
+    }
+};
+
+TEST_F(MakePipeline, FramesAreHeldAgainstGoldens) {
+    const CommandResult noGoldens = make("test");
+    EXPECT_NE(noGoldens.exitCode, 0);
+    EXPECT_THAT(noGoldens.err, HasSubstr("goldens/turn.0008.exr is missing"));
+    const CommandResult updated = make("update-goldens");
+    ASSERT_EQ(updated.exitCode, 0) << updated.out << updated.err;
+    const CommandResult tested = make("test");
+    EXPECT_EQ(tested.exitCode, 0) << tested.out << tested.err;
+    EXPECT_THAT(make("test").out, HasSubstr("Nothing to be done"));
+
+    touch("model.obj");
+    const CommandResult touched = make("test");
+    EXPECT_EQ(touched.exitCode, 0);
+    EXPECT_THAT(touched.err, HasSubstr("up to date"));
+    EXPECT_THAT(touched.out, Not(HasSubstr("rt-grid")));
+
+    write("model.mtl", "newmtl red\nKd 0.1 0.8 0.1\n"); // known from the dependency file
+    touch("model.mtl");
+    const CommandResult changed = make("test");
+    EXPECT_NE(changed.exitCode, 0);
+    EXPECT_THAT(changed.out, HasSubstr("verdict: fail"));
+}
+
+TEST_F(MakePipeline, AFrameIsThatOfADirectCall) {
+    ASSERT_EQ(make("turn.0008.exr").exitCode, 0);
+    const CommandResult direct = runCommand({RT_BIN_DIR "/rt-trace", folder_.file("coarse.rtatlas"), "-o",
+                                             folder_.file("direct.exr"), "--frames", "8", "--turntable", "12",
+                                             "--size", "16x8", "--device", "software", "--reproducible"});
+    ASSERT_EQ(direct.exitCode, 0) << direct.err;
+    EXPECT_EQ(readText(folder_.file("direct.exr")), readText(folder_.file("turn.0008.exr")));
 }
 
 } // namespace

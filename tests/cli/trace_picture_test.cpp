@@ -362,10 +362,27 @@ TEST_F(PictureCommand, FramesFollowTheirPath) {
     for (const auto& [name, depth] : {std::pair("f01.exr", 3.0f), {"f02.exr", 4.0f}, {"f03.exr", 5.0f}})
         EXPECT_NEAR(readExr(out.file(name)).find("Z")->values[8 * 16 + 8], depth, 0.05f) << name;
     const std::string path = out.file("path.json");
-    expectUsage({"--frames", "1-3"}, "--frames needs --camera-path, or --camera");
+    expectUsage({"--frames", "1-3"}, "--frames needs --turntable, --camera-path, or --camera");
     expectUsage({"--camera-path", path}, "go together");
     expectUsage({"--frames", "1-3", "--camera-path", path}, "%d or %04d");
     expectUsage({"--frames", "3-1", "--camera-path", path}, "--frames");
+}
+
+TEST_F(PictureCommand, ATurntableGivesEachFrameTheSamePictureWhicheverOthersAreRendered) {
+    const auto turn = [&](const char* name, const char* frames) {
+        return trace({"-o", out.file(name), "--size", "16x16", "--frames", frames, "--turntable", "3",
+                      "--reproducible", "--json", out.file("j")});
+    };
+    ASSERT_EQ(turn("all%d.exr", "1-4").exitCode, 0);
+    const auto frames = nlohmann::json::parse(test::readText(out.file("j"))).at("frames");
+    EXPECT_NE(frames[0].at("camera").at("eye"), frames[1].at("camera").at("eye"));
+    ASSERT_EQ(turn("one%d.exr", "2").exitCode, 0);
+    EXPECT_EQ(test::readText(out.file("one2.exr")), test::readText(out.file("all2.exr")))
+        << "lights have moved";
+    const Image first = readExr(out.file("all1.exr")), fourth = readExr(out.file("all4.exr"));
+    for (std::size_t i = 0; i < first.find("R")->values.size(); ++i)
+        EXPECT_NEAR(first.find("R")->values[i], fourth.find("R")->values[i], 1e-3f) << "a full turn later";
+    expectUsage({"--turntable", "3"}, "--turntable needs --frames");
 }
 
 TEST_F(PictureCommand, LightsWithASizeAreSeen) {

@@ -2,6 +2,7 @@
 #include "common/error.h"
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/lights.h"
+#include "tools/rt-trace/turntable.h"
 
 #include <gtest/gtest.h>
 
@@ -51,6 +52,41 @@ TEST(DefaultCamera, EveryCornerIsInsideThePictureAndThePictureIsFilled) {
                 const bool fills = fov < 90.0 && box.extent() != glm::dvec3(0.0);
                 EXPECT_GT(widest, fills ? 0.8 : -1.0);
             }
+}
+
+TEST(Turntable, EveryCornerIsInsideThePictureInEveryFrame) {
+    for (const unsigned view : {kPerspectiveView, kOrthographicView})
+        for (const BoundsD& box : kBoxes) {
+            CameraRequest request;
+            request.view = view;
+            const CameraPose first = placeTurntable(request, box, 1.5);
+            double widest = 0.0;
+            for (int frame = 0; frame < 100; ++frame) {
+                const CameraPose pose = placeCamera(turnedCamera(first, 3.6 * frame, request), box, 1.5);
+                const CameraBasis basis = basisOf(pose, 1.5);
+                for (int i = 0; i < 8; ++i) {
+                    const glm::dvec3 offset = corner(box, i) - pose.eye;
+                    const double depth = view == kPerspectiveView ? glm::dot(offset, basis.forward) : 1.0;
+                    EXPECT_GT(depth, 0.0);
+                    const double x = std::abs(glm::dot(offset, basis.right)) / (depth * basis.halfWidth);
+                    const double y = std::abs(glm::dot(offset, basis.up)) / (depth * basis.halfHeight);
+                    widest = std::max({widest, x, y});
+                }
+            }
+            EXPECT_LE(widest, 1.0);
+            EXPECT_GT(widest, box.extent() == glm::dvec3(0.0) ? -1.0 : 0.8);
+        }
+}
+
+TEST(Turntable, GoesRoundWhatItLooksAtToTheRightAndKeepsAGivenEye) {
+    CameraRequest request;
+    request.eye = glm::dvec3(0, 1, 5);
+    request.lookAt = glm::dvec3(0, 1, 0);
+    const CameraPose first = placeTurntable(request, kBoxes[0], 1.0);
+    EXPECT_EQ(first.eye, *request.eye);
+    const CameraPose quarter = placeCamera(turnedCamera(first, 90.0, request), kBoxes[0], 1.0);
+    EXPECT_LT(glm::distance(quarter.eye, glm::dvec3(5, 1, 0)), 1e-12);
+    EXPECT_EQ(quarter.lookAt, first.lookAt);
 }
 
 TEST(DefaultCamera, FitsTheSceneAroundAnotherLookAtPoint) {

@@ -169,7 +169,8 @@ CameraPose placeCamera(const CameraRequest& request, const BoundsD& scene, doubl
     checkCamera(request);
     CameraPose pose = poseOf(request, scene);
     const std::optional<glm::dvec3> eye = requestedEye(request, scene);
-    const glm::dvec3 towardsEye = eye ? *eye - pose.lookAt : defaultDirection(scene);
+    const glm::dvec3 towardsEye =
+        eye ? *eye - pose.lookAt : request.towardsEye.value_or(defaultDirection(scene));
     if (!(glm::length(towardsEye) > 0.0))
         throw Error(ErrorKind::Usage, "--eye and --look-at are the same point");
     pose.up = request.up.value_or(defaultUp(towardsEye));

@@ -41,6 +41,12 @@ void addCameraOptions(CLI::App& app, TraceOptions& options, CameraTexts& texts) 
                        "Cameras for --frames: a JSON array of {frame, eye, lookAt, up, fov}, with straight "
                        "lines between its frames; else the path of the scene's --camera")
             ->type_name("FILE"),
+        app.add_option(
+               "--turntable", options.turntable,
+               "With --frames: the camera goes round what it looks at, once in N frames; frame 1 is where it "
+               "would stand without")
+            ->check(numberBetween(1, 1000000))
+            ->type_name("N"),
     };
     for (CLI::Option* option : added) option->group("Pictures: camera");
 }

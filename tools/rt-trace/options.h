@@ -63,6 +63,7 @@ struct TraceOptions {
     std::string checkpointPath, resumePath;
     std::optional<FrameRange> frames;
     std::string cameraPath;
+    unsigned turntable = 0; ///< frames of a full turn; 0: none
 
     // Ray queries.
     std::string raysPath; ///< empty: a picture is wanted

@@ -105,10 +105,10 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, OutputTexts& texts) 
             ->check(positive())
             ->type_name("N"),
         app.add_option("--frames", texts.frames,
-                       "A picture for each of these frames of --camera-path, or of the path that the scene's "
+                       "A picture for each of these frames of --turntable, --camera-path, or the path that "
+                       "the scene's "
                        "--camera "
-                       "has; outputs have %d or %04d in their "
-                       "name")
+                       "has; if there are several, outputs have %d or %04d in their name")
             ->type_name("A-B"),
         app.add_flag("--reproducible", options.reproducible, "Leave times out of the picture's attributes"),
     };

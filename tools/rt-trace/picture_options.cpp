@@ -21,13 +21,20 @@ constexpr std::array<const char*, 2> kKernelNames = {"compute", "multipass"}; //
 void checkFrames(const TraceOptions& options) {
     const CameraRequest& camera = options.camera;
     const bool hasPath = !options.cameraPath.empty();
+    if (options.turntable && (!options.frames || hasPath))
+        throwUsage(options.frames ? "--turntable and --camera-path do not go together"
+                                  : "--turntable needs --frames");
     if (hasPath && (!options.frames || !camera.name.empty()))
         throwUsage(options.frames ? "--camera and --camera-path do not go together: each is a path"
                                   : "--frames and --camera-path go together");
     if (!options.frames) return;
-    if (!hasPath && camera.name.empty())
-        throwUsage("--frames needs --camera-path, or --camera and a scene in which that camera has a path");
-    if (camera.eye || camera.lookAt || camera.up || camera.fovDegrees)
+    if (options.turntable && camera.view == kPanoramaView)
+        throwUsage("--turntable needs a view of something, not a panorama");
+    if (!options.turntable && !hasPath && camera.name.empty())
+        throwUsage(
+            "--frames needs --turntable, --camera-path, or --camera and a scene in which that camera has a "
+            "path");
+    if (!options.turntable && (camera.eye || camera.lookAt || camera.up || camera.fovDegrees))
         throwUsage("--eye, --look-at, --up and --fov do not go with --frames: the camera's path says that");
     if (!options.checkpointPath.empty() || !options.resumePath.empty())
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
@@ -45,9 +52,10 @@ void checkKernel(const TraceOptions& options) {
 void checkNames(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths) {
         const bool numbered = framePath(path, 0).has_value();
-        if (options.frames && !numbered)
-            throwUsage(
-                fmt::format("-o {}: with --frames a name needs a %d or %04d where the number goes", path));
+        const bool several = options.frames && options.frames->first != options.frames->last;
+        if (several && !numbered)
+            throwUsage(fmt::format(
+                "-o {}: with several --frames a name needs a %d or %04d where the number goes", path));
         if (!options.frames && numbered)
             throwUsage(fmt::format("-o {}: %d stands for the number of a frame; add --frames", path));
     }

@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "tools/rt-trace/render.h"
+#include "tools/rt-trace/turntable.h"
 
 #include <fmt/format.h>
 
@@ -73,7 +74,9 @@ PictureSetup setUpPicture(const TraceOptions& options, const Atlas& atlas) {
 void moveCamera(PictureSetup& setup, const CameraRequest& camera, const TraceOptions& options,
                 const Atlas& atlas) {
     const double aspect = double(options.size.x) / options.size.y;
-    setup.pose = placeCamera(withNamedCamera(camera, atlas.cameras), sceneBounds(atlas.info), aspect);
+    const CameraRequest request = withNamedCamera(camera, atlas.cameras);
+    setup.pose = options.turntable > 0 ? placeTurntable(request, sceneBounds(atlas.info), aspect)
+                                       : placeCamera(request, sceneBounds(atlas.info), aspect);
     setup.camera = cameraInAtlas(setup.pose, aspect, atlas.grid);
 }
 

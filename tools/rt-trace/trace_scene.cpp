@@ -10,6 +10,7 @@
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/render_image.h"
 #include "tools/rt-trace/report.h"
+#include "tools/rt-trace/turntable.h"
 #include "tools/rt-trace/upload_environment.h"
 
 #include <fmt/format.h>
@@ -44,13 +45,20 @@ void checkPath(const TraceOptions& options, const std::vector<CameraKey>& path) 
         }
 }
 
+CameraRequest cameraOfFrame(const TraceOptions& options, const std::vector<CameraKey>& path,
+                            const CameraPose& first, unsigned frame) {
+    if (options.turntable == 0) return cameraAt(path, frame, options.camera);
+    return turnedCamera(first, 360.0 * (frame - 1.0) / options.turntable, options.camera);
+}
+
 nlohmann::json makeFrames(const TraceOptions& options, const std::vector<CameraKey>& path,
                           const GpuScene& scene, PictureSetup& setup, StageTimer& stages) {
     nlohmann::json frames = nlohmann::json::array();
+    const CameraPose first = setup.pose;
     for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) {
         TraceOptions ofFrame = options;
-        for (std::string& output : ofFrame.outputPaths) output = *framePath(output, frame);
-        moveCamera(setup, cameraAt(path, frame, options.camera), options, scene.file.atlas);
+        for (std::string& output : ofFrame.outputPaths) output = framePath(output, frame).value_or(output);
+        moveCamera(setup, cameraOfFrame(options, path, first, frame), options, scene.file.atlas);
         logInfo(fmt::format("frame {}", frame));
         frames.push_back(makePicture(ofFrame, scene, setup, stages));
         frames.back()["frame"] = frame;
@@ -108,12 +116,13 @@ void traceScene(const TraceOptions& given) {
     const auto startPath = [&](std::vector<CameraKey> keys) {
         path = std::move(keys);
         checkPath(options, path);
-        options.camera = cameraAt(path, options.frames->first, options.camera);
+        options.camera =
+            cameraAt(path, path.front().frame, options.camera); // lights stay, whichever frames are asked for
     };
     if (options.frames && !options.cameraPath.empty()) startPath(readCameraPath(options.cameraPath));
     PictureSetup setup;
     const auto choose = [&](const Atlas& atlas, const GlLimits& limits) -> SceneNeeds {
-        if (options.frames && path.empty())
+        if (options.frames && options.turntable == 0 && path.empty())
             startPath(pathOfCamera(options.camera.name, atlas.cameras, atlas.cameraKeys));
         setup = setUpPicture(options, atlas);
         const PictureNeeds needs = needsOf(options, setup);

@@ -1,0 +1,55 @@
+# Recipes of the tools for GNU Make. Include this file and say what is made of what:
+#
+#   hall.rtmesh                                           made of hall.gltf, hall.obj, hall.scene.json, ...
+#   hall.rtmesh: RT_MODELS = a/b.obj c.ply                or of these
+#   hall.rtatlas                                          made of hall.rtmesh
+#   fine.rtatlas: hall.rtmesh                             or of this one
+#   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
+#   view.passed: view.exr goldens/view.exr                two pictures compared; stays away as long as they differ
+#   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
+#
+# FILE.json holds the figures of each step. A step does nothing where its inputs, options and tool are those of its output,
+# whatever the time stamps say. With make -j pictures are rendered side by side, one on each of RT_DEVICES (with commas
+# between them) at a time.
+RT_TOOLS_DIR ?=
+RT_DEVICES ?= auto
+RT_MODELS ?=
+RT_IMPORT_FLAGS ?=
+RT_GRID_FLAGS ?=
+RT_TRACE_FLAGS ?=
+RT_COMPARE_FLAGS ?=
+
+rt_comma := ,
+rt_bin := $(if $(RT_TOOLS_DIR),$(RT_TOOLS_DIR:%/=%)/)
+rt_common = --json $@.json --depfile $@.d --if-changed
+# The prerequisites of a kind; there must be some.
+rt_inputs = $(or $(filter $(1),$^),$(error $@ is missing, and no $(1) is named as what it is made of))
+# 0012 for NAME.0012.exr
+rt_frame = $(shell expr "$(suffix $*)" : '[.]\([0-9][0-9]*\)$$')
+
+define rt_import
+$(rt_bin)rt-import $(or $(RT_MODELS),$<,$(error $@: no model of its name, and no RT_MODELS)) -o $@ $(rt_common) $(RT_IMPORT_FLAGS)
+endef
+define rt_grid
+$(rt_bin)rt-grid $(call rt_inputs,%.rtmesh) -o $@ $(rt_common) $(RT_GRID_FLAGS)
+endef
+
+$(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: %.$(kind); $$(rt_import)))
+%.rtmesh:
+	$(rt_import)
+%.rtatlas: %.rtmesh
+	$(rt_grid)
+%.rtatlas:
+	$(rt_grid)
+
+# A frame's device follows from its number.
+%.exr %.png:
+	@set -- $(subst $(rt_comma), ,$(RT_DEVICES)); shift $$(expr 0$(rt_frame) % $$#); set -x; \
+	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) -o $*.exr -o $*.png --device $$1 \
+	    $(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
+
+%.passed:
+	$(rt_bin)rt-compare $(call rt_inputs,%.exr) --json $*.json --html $*.html $(RT_COMPARE_FLAGS)
+	@touch $@
+
+-include $(wildcard *.d */*.d)

@@ -1,0 +1,133 @@
+// What is installed works for those who have nothing else: pipelines, the formats library, pages,
+// completions, packages.
+#include "tests/support/read_text.h"
+#include "tests/support/run_command.h"
+#include "tests/support/temporary_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace rt::test {
+namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kReadsAMesh =
+    "#include \"formats/mesh_file.h\"\n#include <cstdio>\n"
+    "int main(int, char** argv) {\n"
+    "    std::printf(\"%zu\", rt::readMesh(argv[1]).mesh.triangles.size());\n}\n";
+
+class Installed : public testing::Test {
+protected:
+    Installed() {
+        const CommandResult result = runCommand({CMAKE_PATH, "--install", RT_BUILD_DIR, "--prefix", prefix_});
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        write("model.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    }
+
+    void write(const char* name, const std::string& text) { std::ofstream(folder_.file(name)) << text; }
+
+    CommandResult expectSuccess(const std::vector<std::string>& command) {
+        CommandResult result = runCommand(command);
+        EXPECT_EQ(result.exitCode, 0) << command[0] << "\n" << result.out << result.err;
+        return result;
+    }
+
+    CommandResult configure() {
+        return expectSuccess({CMAKE_PATH, "-G", "Ninja", "-S", folder_.file("."), "-B", folder_.file("build"),
+                              "-DCMAKE_PREFIX_PATH=" + prefix_, "-DRT_DEVICES=software"});
+    }
+    CommandResult build() { return expectSuccess({CMAKE_PATH, "--build", folder_.file("build")}); }
+
+    std::string importedMesh() {
+        expectSuccess(
+            {prefix_ + "/bin/rt-import", folder_.file("model.obj"), "-o", folder_.file("model.rtmesh")});
+        return folder_.file("model.rtmesh");
+    }
+
+    TemporaryFolder folder_;
+    const std::string prefix_ = folder_.file("prefix");
+};
+
+TEST_F(Installed, AProjectOutsideOfTheTreeMakesPictures) {
+    write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(mine LANGUAGES NONE)\n"
+                            "find_package(RtTools REQUIRED)\n"
+                            "rt_add_scene(scene MODELS model.obj)\n"
+                            "rt_add_atlas(atlas SCENE scene)\n"
+                            "rt_add_render(view ATLAS atlas SIZE 16x16)\n");
+    EXPECT_THAT(configure().out, HasSubstr("Build files have been written"));
+    build();
+    EXPECT_TRUE(std::filesystem::exists(folder_.file("build/view.exr")));
+}
+
+TEST_F(Installed, TheFormatsLibraryIsFoundByCMake) {
+    write("main.cpp", kReadsAMesh);
+    write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(mine LANGUAGES CXX)\n"
+                            "find_package(RtTools REQUIRED COMPONENTS formats)\n"
+                            "add_executable(count main.cpp)\n"
+                            "target_link_libraries(count PRIVATE RtTools::rt_formats)\n");
+    configure();
+    build();
+    EXPECT_EQ(expectSuccess({folder_.file("build/count"), importedMesh()}).out, "4");
+}
+
+TEST_F(Installed, TheFormatsLibraryIsFoundByPkgConfig) {
+    write("main.cpp", kReadsAMesh);
+    expectSuccess({"/bin/sh", "-c",
+                   "PKG_CONFIG_PATH=$(dirname $(find " + prefix_ +
+                       " -name rt-formats.pc)) && export PKG_CONFIG_PATH && c++ " + folder_.file("main.cpp") +
+                       " -o " + folder_.file("count") + " $(pkg-config --cflags --libs rt-formats)"});
+    EXPECT_EQ(expectSuccess({folder_.file("count"), importedMesh()}).out, "4");
+}
+
+TEST_F(Installed, PagesSayWhatHelpSays) {
+    const std::string page = readText(prefix_ + "/share/man/man1/rt-grid.1");
+    for (const char* text : {"\\-\\-structure auto|uniform|cloud|octant|nested", "RT-GRID VERIFY",
+                             "\\-\\-against", "EXIT CODES"})
+        EXPECT_THAT(page, HasSubstr(text));
+    for (const char* tool : {"rt-import", "rt-grid", "rt-trace", "rt-compare"}) {
+        const std::string text = readText(prefix_ + "/share/man/man1/" + tool + ".1");
+        EXPECT_THAT(text, HasSubstr(".SH NAME\n"));
+        EXPECT_THAT(text, Not(ContainsRegex("memory, [0-9]+M"))) << "of the machine that built it";
+    }
+}
+
+TEST_F(Installed, CompletionsKnowOptionsAndTheirValues) {
+    const auto completed = [&](const std::string& words, const char* index) {
+        return expectSuccess({"/bin/bash", "-c",
+                              ". " + prefix_ + "/share/bash-completion/completions/rt-grid; COMP_WORDS=(" +
+                                  words + "); COMP_CWORD=" + index + "; _rt_grid; echo ${COMPREPLY[@]}"})
+            .out;
+    };
+    EXPECT_EQ(completed("rt-grid --str", "1"), "--structure\n");
+    EXPECT_EQ(completed("rt-grid --structure n", "2"), "nested\n");
+    EXPECT_EQ(completed("rt-grid ver", "1"), "verify\n");
+    EXPECT_EQ(completed("rt-grid verify --ag", "2"), "--against\n");
+}
+
+TEST_F(Installed, PackagesDependOnWhatTheyUse) {
+    expectSuccess({CPACK_PATH, "--config", RT_BUILD_DIR "/CPackConfig.cmake", "-B", folder_.file("packages"),
+                   "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip"});
+    std::string tools, library;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.file("packages"))) {
+        const std::string name = entry.path().filename();
+        if (name.starts_with("rt-tools_")) tools = entry.path();
+        if (name.starts_with("librt-formats-dev_")) library = entry.path();
+    }
+    const std::string depends = expectSuccess({"/usr/bin/dpkg-deb", "-f", tools, "Depends"}).out;
+    for (const char* package : {"libassimp5", "libopenvdb", "libopenexr", "libepoxy0", "libegl1", "libc6"})
+        EXPECT_THAT(depends, HasSubstr(package));
+    EXPECT_THAT(expectSuccess({"/usr/bin/dpkg-deb", "-f", library, "Depends"}).out,
+                ContainsRegex("rt-tools .*libopenexr-dev"));
+    expectSuccess({"/usr/bin/dpkg-deb", "-x", tools, folder_.file("root")});
+    EXPECT_THAT(expectSuccess({folder_.file("root/usr/bin/rt-grid"), "--version"}).out,
+                HasSubstr("rt-grid "));
+}
+
+} // namespace
+} // namespace rt::test
