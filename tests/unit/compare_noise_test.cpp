@@ -58,8 +58,8 @@ NoiseTest testNoise(const Image& a, const Image& b, const Image* second = nullpt
     CompareOptions options;
     const Picture c = pictureOf(second ? *second : b);
     options.noise.on = true;
-    if (second) options.noise.second = &c;
-    return *comparePictures(pictureOf(a), pictureOf(b), options).comparison.noise;
+    return *comparePictures(pictureOf(a), pictureOf(b), options, {nullptr, second ? &c : nullptr})
+                .comparison.noise;
 }
 
 void scaleIn(Image& image, std::uint32_t lo, std::uint32_t hi, float factor) {
@@ -165,7 +165,7 @@ TEST(NoiseTest, OtherNumbersOfSamplesAreKnown) {
     b.channels.pop_back(); // its variance follows from the other's
     CompareOptions options;
     options.noise.on = true;
-    options.allowed.insert("channels");
+    options.allowed.insert(FindingKind::Channels);
     EXPECT_TRUE(comparePictures(pictureOf(a), pictureOf(b), options).comparison.noise->passed());
     EXPECT_GT(comparePictures(pictureOf(a), pictureOf(b), options).comparison.noise->pixels, 0u);
 }

@@ -119,8 +119,8 @@ private:
                                               : "exceeds";
         const std::string found = std::isnan(value) ? "" : fmt::format(" {:.9g}", value);
         comparison_.findings.push_back(
-            {"limit", fmt::format("{}: {}{} {} {:.9g}", where, metricName(limit), found, fault, limit.value),
-             true});
+            {FindingKind::Limit,
+             fmt::format("{}: {}{} {} {:.9g}", where, metricName(limit), found, fault, limit.value)});
     }
 
     void requireKnownNames() {
@@ -135,11 +135,10 @@ private:
                                     [&](const std::string& name) { return isNamed(name, limit.where); }))
                 continue;
             comparison_.findings.push_back(
-                {"limit",
+                {FindingKind::Limit,
                  fmt::format(
                      "no layer or channel is called {}, for which a limit of {} is given; there are: {}",
-                     limit.where, metricName(limit), fmt::join(names, ", ")),
-                 true});
+                     limit.where, metricName(limit), fmt::join(names, ", "))});
         }
     }
 
