@@ -98,6 +98,15 @@ TEST(FalsePass, BlackFrameWithinALooseLimit) {
     EXPECT_THAT(failuresOf(pictureOf(black), pictureOf(dim), options), IsEmpty());
 }
 
+TEST(FalsePass, OpacityThatIsLostWithinALooseLimit) {
+    const auto withOpacity = [](float a) {
+        return pictureOf(imageOf(2, 1, {floats("A", {a, a}), floats("R", {0.5f, 1})}));
+    };
+    EXPECT_THAT(failuresOf(withOpacity(0), withOpacity(1), loose()),
+                ElementsAre("black: color: the first image is transparent everywhere, the second is not"));
+    EXPECT_THAT(failuresOf(withOpacity(0), withOpacity(0), loose()), IsEmpty());
+}
+
 TEST(FalsePass, OtherCamera) {
     Image moved = render();
     moved.matrices["worldToCamera"][3] = 0.5f;

@@ -161,13 +161,33 @@ TEST(ComparePictures, NamesOfChannelsThatNoPictureHasAreNotTakenInSilence) {
     EXPECT_THAT(c.notes, Contains(HasSubstr("called X, which --ignore-channels names")));
 }
 
+TEST(ComparePictures, ALimitOnAFigureThatALayerDoesNotHaveFails) {
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}, {Metric::Flip, "Z", 0, 1}};
+    EXPECT_THAT(failuresOf(picture(), picture(), options),
+                ElementsAre("limit: Z: there is no FLIP of layers without colors; --max-rmse Z=X holds it"));
+    options.limits = {{Metric::Rmse, "id", 0, 1}};
+    EXPECT_THAT(failuresOf(picture(), picture(), options),
+                ElementsAre("limit: id: there is no RMSE of uint channels; --max-differing id=X holds it"));
+}
+
+TEST(ComparePictures, LimitsOfColorsLetNoDepthPassWhereThereAreNoColors) {
+    const auto withDepth = [](float z) {
+        return pictureOf(imageOf(1, 1, {floats("Z", {z}), uints("id", {1})}));
+    };
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}};
+    EXPECT_THAT(failuresOf(withDepth(1), withDepth(2), options),
+                ElementsAre(HasSubstr("nothing: no limit holds Z")));
+}
+
 TEST(ComparePictures, ALimitThatHoldsNothingIsNoPass) {
     const Picture depth = pictureOf(imageOf(1, 1, {floats("Z", {1})}));
     EXPECT_THAT(failuresOf(depth, depth), IsEmpty()); // equal
     CompareOptions options;
     options.limits = {{Metric::Rmse, "", 0, 1e30}}; // of colors
     EXPECT_THAT(failuresOf(depth, depth, options),
-                ElementsAre(HasSubstr("nothing: no limit holds any layer")));
+                ElementsAre(HasSubstr("nothing: no limit holds Z, for there are no colors")));
     const Picture other = pictureOf(imageOf(1, 1, {floats("Y", {1})}));
     EXPECT_THAT(failuresOf(depth, other, allowing(FindingKind::Channels)),
                 ElementsAre(HasSubstr("no channel in common")));

@@ -15,26 +15,48 @@ bool isZero(const ValueRange& range) {
     return range.min == 0.0 && range.max == 0.0;
 }
 
+// In which of the pictures the chosen channels are 0 everywhere.
+struct Blackness {
+    bool a = true, b = true;
+    bool differs() const { return a != b; }
+};
+
+Blackness blacknessOf(const LayerComparison& layer, bool ofOpacity) {
+    Blackness black;
+    for (const ChannelComparison& channel : layer.channels) {
+        const bool isOpacity =
+            layer.kind == LayerKind::Color && splitChannelName(channel.name).last.ends_with("A");
+        if (isOpacity != ofOpacity) continue;
+        black.a = black.a && isZero(channel.figures.a);
+        black.b = black.b && isZero(channel.figures.b);
+    }
+    return black;
+}
+
 // A loose limit may let a black picture pass where little is to be seen; it is never what was wanted.
 void findBlack(const AllowedKinds& allowed, Comparison& comparison) {
-    std::vector<Finding> found;
+    const auto add = [&](const LayerComparison& layer, const Blackness& black, const char* what) {
+        if (!black.differs()) return;
+        comparison.findings.push_back(
+            {FindingKind::Black,
+             fmt::format("{}: the {} image is {} everywhere, the {} is not", layer.name,
+                         black.a ? "first" : "second", what, black.a ? "second" : "first"),
+             !allowed.contains(FindingKind::Black)});
+    };
     for (const LayerComparison& layer : comparison.layers) {
         if (layer.kind == LayerKind::Ids) continue;
-        bool isBlackA = true, isBlackB = true;
-        for (const ChannelComparison& channel : layer.channels) {
-            if (layer.kind == LayerKind::Color && channel.name.ends_with("A")) continue;
-            isBlackA = isBlackA && isZero(channel.figures.a);
-            isBlackB = isBlackB && isZero(channel.figures.b);
-        }
-        if (isBlackA != isBlackB)
-            found.push_back(
-                {FindingKind::Black,
-                 fmt::format("{}: the {} image is {} everywhere, the {} is not", layer.name,
-                             isBlackA ? "first" : "second", layer.kind == LayerKind::Color ? "black" : "0",
-                             isBlackA ? "second" : "first"),
-                 !allowed.contains(FindingKind::Black)});
+        add(layer, blacknessOf(layer, false), layer.kind == LayerKind::Color ? "black" : "0");
+        add(layer, blacknessOf(layer, true), "transparent");
     }
-    std::ranges::move(found, std::back_inserter(comparison.findings));
+}
+
+// Whether some limit holds the layer or a channel of it.
+bool isGated(const LayerComparison& layer, const Comparison& comparison) {
+    return std::ranges::any_of(comparison.checks, [&](const LimitCheck& check) {
+        return check.where == layer.name ||
+               std::ranges::find(layer.channels, check.where, &ChannelComparison::name) !=
+                   layer.channels.end();
+    });
 }
 
 // Layers that no limit and no noise test holds and that differ should not go unseen.
@@ -42,13 +64,8 @@ void noteUngated(Comparison& comparison) {
     std::vector<std::string> names;
     for (const LayerComparison& layer : comparison.layers) {
         if (comparison.noise && layer.kind != LayerKind::Ids) continue;
-        const auto isGated = [&](const LimitCheck& check) {
-            return check.where == layer.name ||
-                   std::ranges::find(layer.channels, check.where, &ChannelComparison::name) !=
-                       layer.channels.end();
-        };
         const bool differs = !layer.figures.over.empty() && layer.figures.over.front().pixels > 0;
-        if (differs && std::ranges::none_of(comparison.checks, isGated)) names.push_back(layer.name);
+        if (differs && !isGated(layer, comparison)) names.push_back(layer.name);
     }
     if (!names.empty())
         comparison.notes.push_back(fmt::format(
@@ -67,6 +84,20 @@ void findUnknownNames(const Picture& a, const Picture& b, const ChannelSelection
     for (const std::string& name : unknownNames(a, b, selection.without))
         comparison.notes.push_back(
             fmt::format("no channel or layer is called {}, which --ignore-channels names", name));
+}
+
+// Limits of colors alone, where there are no colors, hold nothing: ids and such would pass for a picture.
+void findIdleLimits(const CompareOptions& options, Comparison& comparison) {
+    const auto isColor = [](const LayerComparison& layer) { return layer.kind == LayerKind::Color; };
+    if (options.noise.on || std::ranges::any_of(comparison.layers, isColor)) return;
+    for (const LayerComparison& layer : comparison.layers)
+        if (!isGated(layer, comparison)) {
+            comparison.findings.push_back(
+                {FindingKind::Nothing,
+                 fmt::format("no limit holds {}, for there are no colors: --max-rmse {}=X sets one",
+                             layer.name, layer.name)});
+            return;
+        }
 }
 
 void addNoiseFindings(Comparison& comparison) {
@@ -128,11 +159,7 @@ PairResult comparePictures(Picture&& a, Picture&& b, const CompareOptions& optio
     if (options.noise.on) comparison.noise = testNoise(pair, options.noise, side.second);
     addNoiseFindings(comparison);
     checkLimits(options.limits, options.noise.on, comparison);
-    if (!comparison.layers.empty() && comparison.checks.empty() && !options.noise.on)
-        comparison.findings.push_back(
-            {FindingKind::Nothing,
-             fmt::format("no limit holds any layer, for there are no colors: --max-rmse {}=X sets one",
-                         comparison.layers.front().name)});
+    findIdleLimits(options, comparison);
     noteUngated(comparison);
     if (options.maxShift > 0) comparison.alignment = findAlignment(pair, comparison, options.maxShift);
     result.exitCode = comparison.passed() ? 0 : kExitImagesDiffer;

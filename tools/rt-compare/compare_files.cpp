@@ -38,6 +38,9 @@ PairResult comparePair(const FilePair& pair, const Options& options, const Pictu
         comparePictures(std::move(a), std::move(b), options.compare, {mask, second ? &*second : nullptr});
     result.nameA = pair.a;
     result.nameB = pair.b;
+    std::error_code ignored; // standard input is no file
+    if (std::filesystem::equivalent(pair.a, pair.b, ignored))
+        result.comparison.notes.push_back("both names are the same file, which cannot fail");
     return result;
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace rt {
 namespace {
@@ -173,6 +174,12 @@ private:
 
     void againstSecond() {
         const Plane c = secondLuminance();
+        for (const auto& [plane, which] : {std::pair(&a_, "first"), {&b_, "second"}})
+            if (c == *plane && a_ != b_)
+                throw Error(ErrorKind::InvalidContent,
+                            fmt::format("{}: shows the same noise as the {} image; render it with another "
+                                        "seed",
+                                        second_->name, which));
         const int samplesC = samplesPerPixel(*second_).value_or(0);
         const double ratio = samplesA_ > 0 && samplesC > 0 ? double(samplesC) / double(samplesA_) : 1.0;
         constexpr double kDegrees = 48.0; // 7x7 differences

@@ -36,7 +36,8 @@ public:
         for (const LayerPair& layer : pair_.layers) {
             if (layer.kind == LayerKind::Ids) continue;
             for (const ChannelPair& channel : layer.channels)
-                if (channel.a->name != "variance") testChannel(channel, pair_.regions[layer.part]);
+                if (channel.a->name != "variance" || tookAsManySamples())
+                    testChannel(channel, pair_.regions[layer.part]);
         }
         const double level = level_ / static_cast<double>(std::max<std::uint64_t>(result_.regions, 1));
         const double squaresNeeded = 2.0 * std::log(2.0 / level); // for a bias of all of them to be seen
@@ -54,6 +55,9 @@ public:
 private:
     static constexpr std::size_t kSquare = 8, kSmallest = 64; // sides in pixels
     static constexpr double kLost = 0.9;                      // of a value
+
+    // Else the variances of their means differ too.
+    bool tookAsManySamples() const { return samplesPerPixel(pair_.a) == samplesPerPixel(pair_.b); }
 
     struct Seen {
         std::string name;
