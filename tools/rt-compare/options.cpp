@@ -106,9 +106,10 @@ void addFigures(CLI::App& app, OptionTexts& texts, Options& options) {
         ->check(numberBetween(0, 64))
         ->type_name("N")
         ->group(group);
-    app.add_flag(
-           "--self-test", options.selfTest,
-           "Inject faults into A and show for each that it is caught, or is below the limits as it should be")
+    app.add_flag("--self-test", options.selfTest,
+                 "Inject faults into each layer of A and show that they are caught, or are below the limits "
+                 "as they "
+                 "should be; not with --noise")
         ->group(group);
 }
 
