@@ -222,8 +222,12 @@ void replaceByNamed(const std::string& path, const Content& content) {
 
 } // namespace
 
+std::string inputName(const std::string& path) {
+    return path == "-" ? "standard input" : path;
+}
+
 SharedSpan<std::byte> readFile(const std::string& path, const StreamRule& rule) {
-    if (path == "-") return readStream(STDIN_FILENO, "standard input", rule);
+    if (path == "-") return readStream(STDIN_FILENO, inputName(path), rule);
     const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC));
     struct stat info {};
     if (file.get() < 0 || fstat(file.get(), &info) != 0) throwSystem(path, "open");

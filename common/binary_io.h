@@ -57,6 +57,9 @@ struct StreamRule {
 /// FileAccess.
 SharedSpan<std::byte> readFile(const std::string& path, const StreamRule& rule = {});
 
+/// What messages call an input: "-" is standard input.
+std::string inputName(const std::string& path);
+
 /// Writes the file whole or not at all: an unnamed (or, where the system has none, a temporary) file beside
 /// it is written, synced and renamed over it. A replaced file's permissions stay. A file that already holds
 /// these bytes keeps its time stamp. "-" is standard output; devices and pipes are written straight. One file

@@ -57,9 +57,12 @@ bool sameFile(const std::string& a, const std::string& b) {
     const bool existsB = stat(b.c_str(), &infoB) == 0;
     if (existsA && existsB)
         return infoA.st_dev == infoB.st_dev && infoA.st_ino == infoB.st_ino && !S_ISCHR(infoA.st_mode);
-    std::error_code failed; // an unsearchable folder: the text decides
-    const auto pathA = std::filesystem::weakly_canonical(a, failed);
-    const auto pathB = failed ? pathA : std::filesystem::weakly_canonical(b, failed);
+    std::error_code failed;                               // an unsearchable folder: the text decides
+    const auto canonical = [&](const std::string& path) { // which leaves "x" as it is if there is none
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(path), failed);
+    };
+    const auto pathA = canonical(a);
+    const auto pathB = failed ? pathA : canonical(b);
     return failed ? a == b : pathA == pathB;
 }
 

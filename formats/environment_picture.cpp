@@ -14,14 +14,6 @@ namespace {
 
 constexpr unsigned kColorRows = 64; // so that directions are chosen evenly over the sphere
 
-std::string extensionOf(const std::string& path) {
-    const std::size_t dot = path.find_last_of("./");
-    std::string extension = dot == std::string::npos ? "" : path.substr(dot);
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return extension;
-}
-
 // What is no light becomes none.
 std::string cleanPixels(std::vector<glm::vec3>& pixels, const std::string& path) {
     std::size_t cleaned = 0;

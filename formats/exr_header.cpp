@@ -129,16 +129,30 @@ private:
     void checkChannelList(std::uint32_t size) const {
         constexpr std::size_t kChannelBytes = 16; // type, flags, x and y sampling after the name
         std::size_t left = size, position = at_;
+        std::string_view before; // the channel before
         for (;;) {
             const auto* text = reinterpret_cast<const char*>(file_.data() + position);
             const std::size_t nameSize = strnlen(text, left);
             if (nameSize == left) break;
             if (nameSize == 0 && left == 1) return;
             if (nameSize == 0 || left - nameSize - 1 < kChannelBytes) break;
+            const std::string_view channel(text, nameSize);
+            requireOrder(before, channel);
+            before = channel;
             position += nameSize + 1 + kChannelBytes;
             left -= nameSize + 1 + kChannelBytes;
         }
         throwInvalid(name_, "header is damaged: the list of channels does not end where it should");
+    }
+
+    // The pixels stand in the order of the list, which readers sort: in another one they would be mixed up.
+    void requireOrder(std::string_view before, std::string_view channel) const {
+        if (before == channel)
+            throwInvalid(name_, fmt::format("header is damaged: there are two channels {}", channel));
+        if (before > channel)
+            throwInvalid(name_, fmt::format("header is damaged: channel {} stands before {}; their order "
+                                            "must be alphabetical",
+                                            before, channel));
     }
 
     std::span<const std::byte> file_;

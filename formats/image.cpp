@@ -10,11 +10,23 @@
 
 namespace rt {
 
-std::optional<ImageFileType> imageFileType(const std::string& path) {
+std::string extensionOf(const std::string& path) {
     const std::size_t dot = path.find_last_of("./");
-    std::string extension = dot == std::string::npos ? "" : path.substr(dot);
+    if (dot == std::string::npos || path[dot] == '/') return "";
+    std::string extension = path.substr(dot);
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return extension;
+}
+
+void requirePixels(std::uint64_t width, std::uint64_t height, std::uint64_t most, const std::string& name) {
+    if (width * height > most)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, most));
+}
+
+std::optional<ImageFileType> imageFileType(const std::string& path) {
+    const std::string extension = extensionOf(path);
     if (extension == ".exr") return ImageFileType::Exr;
     if (extension == ".png") return ImageFileType::Png;
     return std::nullopt;

@@ -1,9 +1,11 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rt {
@@ -42,6 +44,30 @@ struct Image {
     std::size_t pixelCount() const { return std::size_t(width) * height; }
 };
 
+/// An image of float channels, one for each letter of `names`: valueAt(x, y, position of the letter).
+template <class ValueAt>
+Image imageOfPixels(std::uint32_t width, std::uint32_t height, std::string_view names, ValueAt&& valueAt) {
+    Image image;
+    image.width = width;
+    image.height = height;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+        std::vector<float> values;
+        values.reserve(image.pixelCount());
+        for (std::size_t y = 0; y < height; ++y)
+            for (std::size_t x = 0; x < width; ++x) values.push_back(valueAt(x, y, c));
+        image.channels.push_back(
+            {std::string(1, names[c]), ImageChannel::Type::Float, std::move(values), {}});
+    }
+    std::ranges::sort(image.channels, {}, &ImageChannel::name);
+    return image;
+}
+
+/// Throws Error{LimitExceeded} prefixed by `name` above `most` pixels.
+void requirePixels(std::uint64_t width, std::uint64_t height, std::uint64_t most, const std::string& name);
+
+/// From the last point of a file's name on, in lower case: ".exr"; empty if there is none.
+std::string extensionOf(const std::string& path);
+
 enum class ImageFileType { Exr, Png };
 
 /// What the path's extension stands for, in upper or lower case; nothing for any other extension.
@@ -50,6 +76,11 @@ std::optional<ImageFileType> imageFileType(const std::string& path);
 /// Linear light of an sRGB-encoded value, both 0 to 1. Source: IEC 61966-2-1.
 double decodeSrgb(double encoded);
 double encodeSrgb(double linear);
+
+/// Of linear light with the primaries of Rec. 709. Source: ITU-R BT.709.
+constexpr double luminanceOf(double r, double g, double b) {
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+}
 
 /// The channel "R", "G" or "B", or Y in its place. Throws Error{InvalidContent} prefixed by `name` if the
 /// image has neither.

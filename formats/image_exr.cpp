@@ -3,6 +3,7 @@
 #include "common/binary_io.h"
 #include "common/error.h"
 #include "formats/exr_header.h"
+#include "formats/exr_layout.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
@@ -23,15 +24,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <new>
 #include <stdexcept>
 
 namespace rt {
 namespace {
-
-constexpr std::uint64_t kMaxTileBytes = std::uint64_t(1) << 28;
 
 [[noreturn]] void throwInvalid(const std::string& name, const std::string& what) {
     throw Error(ErrorKind::InvalidContent, name + ": " + what);
@@ -62,168 +60,44 @@ private:
     std::size_t at_ = 0;
 };
 
-// Bytes of memory that one byte of file can stand for, and rows per chunk.
-struct CompressionTraits {
-    std::uint64_t maxRatio = 0; // 0: no such compression
-    std::uint64_t rowsPerChunk = 1;
-    bool isSafe = true; // no decoder of Debian's library has known holes
-};
-
-CompressionTraits traitsOf(Imf::Compression compression) {
-    constexpr std::uint64_t kUnknownRatio = 1 << 16; // several stages, each of which shortens runs
-    switch (compression) {
-    case Imf::NO_COMPRESSION:
-        return {1, 1};
-    case Imf::RLE_COMPRESSION:
-        return {64, 1}; // a run of 128 in two bytes
-    case Imf::ZIPS_COMPRESSION:
-        return {1032, 1}; // deflate: 258 bytes in two bits
-    case Imf::ZIP_COMPRESSION:
-        return {1032, 16};
-    case Imf::PXR24_COMPRESSION:
-        return {kUnknownRatio, 16, false};
-    case Imf::PIZ_COMPRESSION:
-    case Imf::B44_COMPRESSION:
-    case Imf::B44A_COMPRESSION:
-    case Imf::DWAA_COMPRESSION:
-        return {kUnknownRatio, 32, false};
-    case Imf::DWAB_COMPRESSION:
-        return {kUnknownRatio, 256, false};
+std::optional<ImageChannel::Type> typeFrom(Imf::PixelType type) {
+    switch (type) {
+    case Imf::HALF:
+        return ImageChannel::Type::Half;
+    case Imf::FLOAT:
+        return ImageChannel::Type::Float;
+    case Imf::UINT:
+        return ImageChannel::Type::Uint;
     default:
-        return {};
+        return std::nullopt;
     }
 }
 
-std::string compressionName(Imf::Compression compression) {
-    constexpr std::array<const char*, Imf::NUM_COMPRESSION_METHODS> kNames{
-        "NONE", "RLE", "ZIPS", "ZIP", "PIZ", "PXR24", "B44", "B44A", "DWAA", "DWAB"};
-    const auto index = static_cast<std::size_t>(compression);
-    return index < kNames.size() ? kNames[index] : fmt::format("number {}", index);
-}
-
-struct ReadRules {
-    PictureLimits limits;
-    bool isPlain = false; // one part, whose channels all have the full size
-};
-
-struct Layout {
-    Imath::Box2i window;
-    std::uint64_t width, height;
-    std::uint64_t values; // pixels times channels
-    bool isTiled;
-};
-
-Layout checkWindow(const Imf::Header& header, const PictureLimits& limits, const std::string& name) {
-    const Imath::Box2i window = header.dataWindow();
-    constexpr int kMaxCoordinate = 1 << 30;
-    for (int value : {window.min.x, window.min.y, window.max.x, window.max.y})
-        if (value < -kMaxCoordinate || value > kMaxCoordinate)
-            throwInvalid(name, fmt::format("data window coordinate {} exceeds {}", value, kMaxCoordinate));
-    if (window.max.x < window.min.x || window.max.y < window.min.y)
-        throwInvalid(name, "data window is empty");
-    const auto width = static_cast<std::uint64_t>(window.max.x - window.min.x) + 1;
-    const auto height = static_cast<std::uint64_t>(window.max.y - window.min.y) + 1;
-    if (width * height > limits.maxPixels)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, limits.maxPixels));
-    return {window, width, height, 0, false};
-}
-
-struct ChannelTotals {
-    std::uint64_t count = 0;
-    std::uint64_t bytesPerPixel = 0; // of all channels at their full size
-    std::uint64_t bytes = 0;
-};
-
-// Channels of less than the full size must fill whole blocks of pixels, as the library wants it.
-void checkSampling(const char* channelName, const Imf::Channel& channel, const Layout& layout, bool isPlain,
-                   const std::string& name) {
-    if (channel.xSampling == 1 && channel.ySampling == 1) return;
-    const std::string found =
-        fmt::format("channel {} is subsampled {} x {}", channelName, channel.xSampling, channel.ySampling);
-    if (isPlain) throwInvalid(name, found + "; convert the picture to R G B");
-    const Imath::V2i corner = layout.window.min;
-    if (layout.isTiled || channel.xSampling < 1 || channel.ySampling < 1 ||
-        corner.x % channel.xSampling != 0 || corner.y % channel.ySampling != 0 ||
-        layout.width % std::uint64_t(channel.xSampling) != 0 ||
-        layout.height % std::uint64_t(channel.ySampling) != 0)
-        throwInvalid(name, "header is damaged: " + found + ", which does not fit its data window");
-}
-
-ChannelTotals checkChannels(const Imf::Header& header, const Layout& layout, bool isPlain,
-                            const std::string& name) {
-    ChannelTotals totals;
-    for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
-        const Imf::Channel& channel = c.channel();
-        if (channel.type != Imf::HALF && channel.type != Imf::FLOAT && channel.type != Imf::UINT)
-            throwInvalid(name, fmt::format("channel {} has an unknown type", c.name()));
-        checkSampling(c.name(), channel, layout, isPlain, name);
-        const std::uint64_t bytes = channel.type == Imf::HALF ? 2 : 4;
-        totals.count += 1;
-        totals.bytesPerPixel += bytes;
-        totals.bytes += bytes * (layout.width / std::uint64_t(channel.xSampling)) *
-                        (layout.height / std::uint64_t(channel.ySampling));
-    }
-    if (totals.count == 0) throwInvalid(name, "has no channels");
-    return totals;
-}
-
-std::uint64_t checkTiles(const Imf::Header& header, const Layout& layout, std::uint64_t bytesPerPixel,
-                         const std::string& name) {
-    if (!header.hasTileDescription())
-        throwInvalid(name, "header is damaged: tiled, but without a tile description");
-    const Imf::TileDescription& tiles = header.tileDescription();
-    if (tiles.xSize == 0 || tiles.ySize == 0 || tiles.mode >= Imf::NUM_LEVELMODES ||
-        tiles.roundingMode >= Imf::NUM_ROUNDINGMODES)
-        throwInvalid(name, "header is damaged: invalid tile description");
-    if (std::uint64_t(tiles.xSize) * tiles.ySize > kMaxTileBytes / bytesPerPixel)
-        throw Error(ErrorKind::LimitExceeded, fmt::format("{}: tiles of {} x {} pixels exceed {} bytes", name,
-                                                          tiles.xSize, tiles.ySize, kMaxTileBytes));
-    return (layout.width + tiles.xSize - 1) / tiles.xSize * ((layout.height + tiles.ySize - 1) / tiles.ySize);
-}
-
-// Refuses what is not supported, and sizes that a file of `fileBytes` cannot hold, before anything is
-// allocated.
-Layout checkHeader(const Imf::Header& header, bool isTiled, const ReadRules& rules, std::uint64_t fileBytes,
-                   const std::string& name) {
+// Throws unless the header has what every part must have.
+ExrPartHeader plainHeader(const Imf::Header& header, bool isTiled, const std::string& name) {
     for (const char* required : {"channels", "compression", "dataWindow", "lineOrder"})
         if (header.find(required) == header.end())
             throwInvalid(name, fmt::format("header lacks '{}'", required));
-    if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
-        throwInvalid(name, fmt::format("is of type '{}'; only flat pictures are read", header.type()));
-    const CompressionTraits traits = traitsOf(header.compression());
-    if (traits.maxRatio == 0 || (!traits.isSafe && !rules.limits.allCompressions))
-        throwInvalid(name, fmt::format("compression {} is not read; save it with NONE, RLE, ZIPS or ZIP{}",
-                                       compressionName(header.compression()),
-                                       rules.limits.allCompressionsOption.empty() || traits.maxRatio == 0
-                                           ? ""
-                                           : ", or trust it with " + rules.limits.allCompressionsOption));
-    Layout layout = checkWindow(header, rules.limits, name);
-    layout.isTiled = isTiled;
-    const ChannelTotals totals = checkChannels(header, layout, rules.isPlain, name);
-    const std::uint64_t pixels = layout.width * layout.height;
-    layout.values = pixels * totals.count; // at most 2^28 bytes of header, 2^60 pixels
-    if (pixels > rules.limits.maxValues / totals.count)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels of {} channels exceed {} values", name, layout.width,
-                                layout.height, totals.count, rules.limits.maxValues));
-    const std::uint64_t chunks = isTiled ? checkTiles(header, layout, totals.bytesPerPixel, name)
-                                         : (layout.height + traits.rowsPerChunk - 1) / traits.rowsPerChunk;
-    if (header.hasChunkCount() && (header.chunkCount() < 0 || std::uint64_t(header.chunkCount()) < chunks ||
-                                   std::uint64_t(header.chunkCount()) > fileBytes / 8))
-        throwInvalid(name, fmt::format("header is damaged: {} chunks do not hold its {} x {} pixels",
-                                       header.chunkCount(), layout.width, layout.height));
-    if (chunks > fileBytes / 8 || totals.bytes / traits.maxRatio > fileBytes)
-        throwInvalid(name,
-                     fmt::format("is damaged or truncated: {} bytes cannot hold {} x {} pixels of {} bytes",
-                                 fileBytes, layout.width, layout.height, totals.bytesPerPixel));
-    return layout;
-}
-
-ImageChannel::Type typeFrom(Imf::PixelType type) {
-    return type == Imf::HALF    ? ImageChannel::Type::Half
-           : type == Imf::FLOAT ? ImageChannel::Type::Float
-                                : ImageChannel::Type::Uint;
+    static_assert(Imf::ZIP_COMPRESSION == 3 && Imf::DWAB_COMPRESSION == 9, "as files number them");
+    const Imath::Box2i& window = header.dataWindow();
+    ExrPartHeader plain;
+    plain.type = header.hasType() ? header.type() : "";
+    plain.compression = static_cast<std::size_t>(header.compression());
+    plain.minX = window.min.x;
+    plain.minY = window.min.y;
+    plain.maxX = window.max.x;
+    plain.maxY = window.max.y;
+    plain.isTiled = isTiled;
+    for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+        plain.channels.push_back(
+            {c.name(), typeFrom(c.channel().type), c.channel().xSampling, c.channel().ySampling});
+    if (header.hasTileDescription()) {
+        const Imf::TileDescription& tiles = header.tileDescription();
+        plain.tiles = {tiles.xSize, tiles.ySize,
+                       tiles.mode < Imf::NUM_LEVELMODES && tiles.roundingMode < Imf::NUM_ROUNDINGMODES};
+    }
+    if (header.hasChunkCount()) plain.chunkCount = header.chunkCount();
+    return plain;
 }
 
 void readAttributes(const Imf::Header& header, Image& image) {
@@ -258,9 +132,16 @@ void readCamera(const Imf::Header& header, PicturePart& part) {
         part.camera["envmap"] = map->value() == Imf::ENVMAP_CUBE ? "cube" : "latlong";
 }
 
+// A part whose header was found good.
+struct CheckedPart {
+    Imf::Header header;
+    ExrPartHeader plain;
+    ExrLayout layout;
+};
+
 // One value for each block of pixels becomes one for each pixel.
 template <class T>
-void repeatInBlocks(std::vector<T>& values, const Layout& layout, const Imf::Channel& channel) {
+void repeatInBlocks(std::vector<T>& values, const ExrLayout& layout, const ExrPartHeader::Channel& channel) {
     const std::uint64_t blockWidth = std::uint64_t(channel.xSampling),
                         blockHeight = std::uint64_t(channel.ySampling);
     const std::vector<T> blocks = std::move(values);
@@ -270,38 +151,47 @@ void repeatInBlocks(std::vector<T>& values, const Layout& layout, const Imf::Cha
             values[i] = blocks[y / blockHeight * (layout.width / blockWidth) + x / blockWidth];
 }
 
-// Allocates the channels of the header and points a frame buffer at them.
-Imf::FrameBuffer allocateChannels(const Imf::Header& header, const Layout& layout, Image& image) {
+// Allocates the channels of the part and points a frame buffer at them.
+Imf::FrameBuffer allocateChannels(const CheckedPart& part, Image& image) {
     Imf::FrameBuffer frame;
-    for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
-        const Imf::Channel& source = c.channel();
+    for (const ExrPartHeader::Channel& source : part.plain.channels) {
         ImageChannel& channel = image.channels.emplace_back();
-        channel.name = c.name();
-        channel.type = typeFrom(source.type);
+        channel.name = source.name;
+        channel.type = source.type.value();
         const bool isUint = channel.type == ImageChannel::Type::Uint;
-        const std::size_t blocks = (layout.width / std::uint64_t(source.xSampling)) *
-                                   (layout.height / std::uint64_t(source.ySampling));
+        const std::size_t blocks = (part.layout.width / std::uint64_t(source.xSampling)) *
+                                   (part.layout.height / std::uint64_t(source.ySampling));
         if (isUint)
             channel.uints.resize(blocks);
         else
             channel.values.resize(blocks);
         const void* data = isUint ? static_cast<const void*>(channel.uints.data()) : channel.values.data();
-        frame.insert(channel.name, Imf::Slice::Make(isUint ? Imf::UINT : Imf::FLOAT, data, layout.window, 0,
-                                                    0, source.xSampling, source.ySampling));
+        frame.insert(channel.name,
+                     Imf::Slice::Make(isUint ? Imf::UINT : Imf::FLOAT, data, part.header.dataWindow(), 0, 0,
+                                      source.xSampling, source.ySampling));
     }
     return frame;
 }
 
-void readPixels(Imf::MultiPartInputFile& file, int part, const Layout& layout,
-                const Imf::FrameBuffer& frame) {
-    if (layout.isTiled) {
-        Imf::TiledInputPart input(file, part);
+void readPixels(Imf::MultiPartInputFile& file, int index, const CheckedPart& part, Image& image) {
+    const Imf::FrameBuffer frame = allocateChannels(part, image);
+    if (part.plain.isTiled) {
+        Imf::TiledInputPart input(file, index);
         input.setFrameBuffer(frame);
         input.readTiles(0, input.numXTiles(0) - 1, 0, input.numYTiles(0) - 1);
     } else {
-        Imf::InputPart input(file, part);
+        Imf::InputPart input(file, index);
         input.setFrameBuffer(frame);
-        input.readPixels(layout.window.min.y, layout.window.max.y);
+        input.readPixels(part.plain.minY, part.plain.maxY);
+    }
+    for (std::size_t c = 0; c < image.channels.size(); ++c) {
+        const ExrPartHeader::Channel& source = part.plain.channels[c];
+        ImageChannel& channel = image.channels[c];
+        if (source.isFull()) continue;
+        if (channel.type == ImageChannel::Type::Uint)
+            repeatInBlocks(channel.uints, part.layout, source);
+        else
+            repeatInBlocks(channel.values, part.layout, source);
     }
 }
 
@@ -310,22 +200,24 @@ PixelBox boxOf(const Imath::Box2i& window) {
 }
 
 // The data window if the header has no display window, or one that says nothing of use.
-PixelBox displayWindowOf(const Imf::Header& header, const Layout& layout) {
-    if (header.find("displayWindow") == header.end()) return boxOf(layout.window);
+PixelBox displayWindowOf(const Imf::Header& header) {
+    const PixelBox data = boxOf(header.dataWindow());
+    if (header.find("displayWindow") == header.end()) return data;
     const Imath::Box2i whole = header.displayWindow();
     constexpr int kMaxCoordinate = 1 << 30;
     for (int value : {whole.min.x, whole.min.y, whole.max.x, whole.max.y})
-        if (value < -kMaxCoordinate || value > kMaxCoordinate) return boxOf(layout.window);
-    return whole.max.x < whole.min.x || whole.max.y < whole.min.y ? boxOf(layout.window) : boxOf(whole);
+        if (value < -kMaxCoordinate || value > kMaxCoordinate) return data;
+    return whole.max.x < whole.min.x || whole.max.y < whole.min.y ? data : boxOf(whole);
 }
 
-PicturePart readPart(Imf::MultiPartInputFile& file, int index, const Imf::Header& header,
-                     const Layout& layout, const std::string& name) {
+PicturePart readPart(Imf::MultiPartInputFile& file, int index, const CheckedPart& checked,
+                     const std::string& name) {
     if (!file.partComplete(index)) throwInvalid(name, "is truncated: some of its pixels are missing");
+    const Imf::Header& header = checked.header;
     PicturePart part;
     if (header.hasName()) part.name = header.name();
-    part.dataWindow = boxOf(layout.window);
-    part.displayWindow = displayWindowOf(header, layout);
+    part.dataWindow = boxOf(header.dataWindow());
+    part.displayWindow = displayWindowOf(header);
     readCamera(header, part);
     if (header.find("pixelAspectRatio") != header.end()) part.pixelAspect = header.pixelAspectRatio();
     if (const auto* found = header.findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities")) {
@@ -333,52 +225,48 @@ PicturePart readPart(Imf::MultiPartInputFile& file, int index, const Imf::Header
         part.chromaticities = {c.red.x,  c.red.y,  c.green.x, c.green.y,
                                c.blue.x, c.blue.y, c.white.x, c.white.y};
     }
-    Image& image = part.image;
-    image.width = static_cast<std::uint32_t>(layout.width);
-    image.height = static_cast<std::uint32_t>(layout.height);
-    readAttributes(header, image);
-    readPixels(file, index, layout, allocateChannels(header, layout, image));
-    std::size_t i = 0;
-    for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++i) {
-        if (c.channel().xSampling == 1 && c.channel().ySampling == 1) continue;
-        ImageChannel& channel = image.channels[i];
-        if (channel.type == ImageChannel::Type::Uint)
-            repeatInBlocks(channel.uints, layout, c.channel());
-        else
-            repeatInBlocks(channel.values, layout, c.channel());
-    }
+    part.image.width = part.dataWindow.width();
+    part.image.height = part.dataWindow.height();
+    readAttributes(header, part.image);
+    readPixels(file, index, checked, part.image);
     return part;
 }
 
-std::vector<PicturePart> decodeChecked(std::span<const std::byte> bytes, const std::string& name,
-                                       const ReadRules& rules) {
-    const SafeExrHeader safe = safeExrHeader(bytes, name, !rules.isPlain);
-    InputBytes stream(bytes, safe.bytes, name);
+std::vector<CheckedPart> checkParts(std::span<const std::byte> bytes, const SafeExrHeader& safe,
+                                    InputBytes& stream, const std::string& name, const ExrRules& rules) {
     stream.seekg(kExrStartBytes);
     int version = std::to_integer<int>(bytes[4]) | std::to_integer<int>(bytes[5]) << 8;
-    std::vector<Imf::Header> headers(safe.parts);
-    std::vector<Layout> layouts;
+    std::vector<CheckedPart> parts(safe.parts);
     std::uint64_t values = 0;
-    for (Imf::Header& header : headers) {
-        header.readFrom(stream, version);
-        const bool isTiled =
-            safe.multiPart ? header.hasType() && header.type() == Imf::TILEDIMAGE : (version & 0x200) != 0;
-        layouts.push_back(checkHeader(header, isTiled, rules, bytes.size(), name));
-        values += layouts.back().values;
+    for (CheckedPart& part : parts) {
+        part.header.readFrom(stream, version);
+        const bool isTiled = safe.multiPart ? part.header.hasType() && part.header.type() == Imf::TILEDIMAGE
+                                            : (version & 0x200) != 0;
+        part.plain = plainHeader(part.header, isTiled, name);
+        part.layout = checkExrLayout(part.plain, rules, bytes.size(), name);
+        values += part.layout.values;
     }
     if (values > rules.limits.maxValues)
         throw Error(ErrorKind::LimitExceeded, fmt::format("{}: {} values in {} parts exceed {}", name, values,
                                                           safe.parts, rules.limits.maxValues));
+    return parts;
+}
+
+std::vector<PicturePart> decodeChecked(std::span<const std::byte> bytes, const std::string& name,
+                                       const ExrRules& rules) {
+    const SafeExrHeader safe = safeExrHeader(bytes, name, !rules.isPlain);
+    InputBytes stream(bytes, safe.bytes, name);
+    const std::vector<CheckedPart> checked = checkParts(bytes, safe, stream, name, rules);
     stream.seekg(0);
     Imf::MultiPartInputFile file(stream, 0, false);
     std::vector<PicturePart> parts;
-    for (std::size_t i = 0; i < headers.size(); ++i)
-        parts.push_back(readPart(file, static_cast<int>(i), headers[i], layouts[i], name));
+    for (const CheckedPart& part : checked)
+        parts.push_back(readPart(file, static_cast<int>(parts.size()), part, name));
     return parts;
 }
 
 std::vector<PicturePart> decodeParts(std::span<const std::byte> bytes, const std::string& name,
-                                     const ReadRules& rules) {
+                                     const ExrRules& rules) {
     try {
         return decodeChecked(bytes, name, rules);
     } catch (const Error&) {
@@ -406,7 +294,7 @@ Image decodeExr(std::span<const std::byte> bytes, const std::string& name) {
 }
 
 Image readExr(const std::string& path) {
-    const std::string name = path == "-" ? "standard input" : path;
+    const std::string name = inputName(path);
     const auto refuseOthers = [&](std::span<const std::byte> head) -> std::optional<std::uint64_t> {
         requireExrMagic(head, name);
         return std::nullopt;

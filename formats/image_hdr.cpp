@@ -20,14 +20,6 @@ struct FreeStb {
     void operator()(float* values) const { stbi_image_free(values); }
 };
 
-ImageChannel channelOf(const char* name, const float* values, std::size_t count, std::size_t component) {
-    ImageChannel channel;
-    channel.name = name;
-    channel.values.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) channel.values.push_back(values[3 * i + component]);
-    return channel;
-}
-
 /// The bytes of a picture's rows, which follow the line that gives its size.
 std::span<const std::uint8_t> rowsOf(std::span<const std::byte> bytes) {
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -76,10 +68,7 @@ Image decodeHdr(std::span<const std::byte> bytes, const std::string& name, std::
         !stbi_info_from_memory(data, size, &width, &height, &channels) || width <= 0 || height <= 0)
         throw Error(ErrorKind::InvalidContent, name + ": is no Radiance HDR picture");
     const std::uint64_t count = std::uint64_t(unsigned(width)) * unsigned(height);
-    maxPixels = std::min(maxPixels, kMaxPixels);
-    if (count > maxPixels)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, maxPixels));
+    requirePixels(unsigned(width), unsigned(height), std::min(maxPixels, kMaxPixels), name);
     if (count / kPixelsPerByte > bytes.size())
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged or truncated: {} bytes cannot hold {} x {} pixels", name,
@@ -92,12 +81,10 @@ Image decodeHdr(std::span<const std::byte> bytes, const std::string& name, std::
     if (!values)
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged: {}", name, stbi_failure_reason()));
-    Image image;
-    image.width = static_cast<std::uint32_t>(width);
-    image.height = static_cast<std::uint32_t>(height);
-    image.channels = {channelOf("B", values.get(), count, 2), channelOf("G", values.get(), count, 1),
-                      channelOf("R", values.get(), count, 0)};
-    return image;
+    const auto columns = static_cast<std::uint32_t>(width), rows = static_cast<std::uint32_t>(height);
+    return imageOfPixels(columns, rows, "RGB", [&](std::size_t x, std::size_t y, std::size_t c) {
+        return values.get()[(y * columns + x) * 3 + c];
+    });
 }
 
 } // namespace rt

@@ -115,34 +115,21 @@ Picture decodeJpeg(std::span<const std::byte> bytes, const std::string& name, co
                     fmt::format("{}: has {} components; only grey and RGB are read", name,
                                 reader.info().num_components));
     const std::size_t channels = reader.channels();
-    const std::uint64_t maxPixels = limits.maxPixelsOf(channels);
-    if (std::uint64_t(width) * height > maxPixels)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, maxPixels));
+    requirePixels(width, height, limits.maxPixelsOf(channels), name);
     constexpr std::uint64_t kPixelsPerByte = 1024; // at most: a block of 8x8 takes a bit for its mean alone
     if (std::uint64_t(width) * height / kPixelsPerByte > bytes.size())
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged or truncated: {} bytes cannot hold {} x {} pixels", name,
                                 bytes.size(), width, height));
     const std::vector<unsigned char> pixels = reader.pixels();
-    PicturePart part;
-    part.dataWindow =
-        part.displayWindow = {0, 0, static_cast<std::int32_t>(width), static_cast<std::int32_t>(height)};
+    Picture picture = singlePartPicture(
+        name, "JPEG", ValueScale::Display,
+        imageOfPixels(width, height, channels == 1 ? "Y" : "RGB",
+                      [&](std::size_t x, std::size_t y, std::size_t c) {
+                          return static_cast<float>(pixels[(y * width + x) * channels + c]) / 255.0f;
+                      }));
     if (reader.info().saw_JFIF_marker && reader.info().X_density > 0 && reader.info().Y_density > 0)
-        part.pixelAspect = float(reader.info().Y_density) / float(reader.info().X_density);
-    part.image.width = width;
-    part.image.height = height;
-    const std::string names = channels == 1 ? "Y" : "RGB";
-    for (std::size_t c = 0; c < channels; ++c) {
-        ImageChannel& channel = part.image.channels.emplace_back();
-        channel.name = names.substr(c, 1);
-        channel.values.resize(part.image.pixelCount());
-        for (std::size_t i = 0; i < channel.values.size(); ++i)
-            channel.values[i] = static_cast<float>(pixels[i * channels + c]) / 255.0f;
-    }
-    std::ranges::sort(part.image.channels, {}, &ImageChannel::name);
-    Picture picture{name, "JPEG", ValueScale::Display, {}};
-    picture.parts.push_back(std::move(part));
+        picture.parts.front().pixelAspect = float(reader.info().Y_density) / float(reader.info().X_density);
     return picture;
 }
 

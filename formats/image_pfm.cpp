@@ -52,33 +52,21 @@ Picture decodePfm(std::span<const std::byte> bytes, const std::string& name, con
     const auto height = takeNumber<std::uint32_t>(text, name, "height");
     const bool isBigEndian = takeNumber<double>(text, name, "scale") > 0.0;
     const std::uint64_t pixels = std::uint64_t(width) * height;
-    const std::uint64_t maxPixels = limits.maxPixelsOf(channels);
-    if (pixels > maxPixels || std::max(width, height) > 0x3FFFFFFF)
+    requirePixels(width, height, limits.maxPixelsOf(channels), name);
+    constexpr std::uint32_t kMaxSide = 1u << 30;
+    if (std::max(width, height) > kMaxSide)
         throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, width, height, maxPixels));
+                    fmt::format("{}: {} x {} pixels: a side exceeds {}", name, width, height, kMaxSide));
     if (text.size() != pixels * channels * sizeof(float))
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged: {} x {} pixels take {} bytes, {} are there", name, width,
                                 height, pixels * channels * sizeof(float), text.size()));
-    PicturePart part;
-    part.dataWindow =
-        part.displayWindow = {0, 0, static_cast<std::int32_t>(width), static_cast<std::int32_t>(height)};
-    part.image.width = width;
-    part.image.height = height;
-    for (std::size_t c = channels; c-- > 0;) { // B, G, R
-        ImageChannel& channel = part.image.channels.emplace_back();
-        channel.name = channels == 1 ? "Y" : std::string(1, "RGB"[c]);
-        channel.values.resize(pixels);
-        for (std::size_t y = 0, i = 0; y < height; ++y) {
-            const char* row =
-                text.data() + (height - 1 - y) * width * channels * sizeof(float); // bottom first
-            for (std::size_t x = 0; x < width; ++x, ++i)
-                channel.values[i] = floatAt(row + (x * channels + c) * sizeof(float), isBigEndian);
-        }
-    }
-    Picture picture{name, "PFM", ValueScale::Linear, {}};
-    picture.parts.push_back(std::move(part));
-    return picture;
+    const auto valueAt = [&](std::size_t x, std::size_t y, std::size_t c) {
+        const std::size_t row = height - 1 - y; // the bottom comes first
+        return floatAt(text.data() + ((row * width + x) * channels + c) * sizeof(float), isBigEndian);
+    };
+    return singlePartPicture(name, "PFM", ValueScale::Linear,
+                             imageOfPixels(width, height, channels == 1 ? "Y" : "RGB", valueAt));
 }
 
 } // namespace rt

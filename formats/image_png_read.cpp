@@ -117,26 +117,26 @@ void requirePlausible(const PngInfo& info, std::size_t fileBytes, const PictureL
                       const std::string& name) {
     constexpr std::uint64_t kMaxRatio = 1032; // deflate: 258 bytes in two bits
     const std::uint64_t pixels = std::uint64_t(info.width) * info.height;
-    const std::uint64_t maxPixels = limits.maxPixelsOf(static_cast<std::size_t>(info.channels));
-    if (pixels > maxPixels)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: {} x {} pixels exceed {}", name, info.width, info.height, maxPixels));
+    requirePixels(info.width, info.height, limits.maxPixelsOf(static_cast<std::size_t>(info.channels)), name);
     if (pixels / 8 / kMaxRatio > fileBytes) // at least one bit each
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: is damaged or truncated: {} bytes cannot hold {} x {} pixels", name,
                                 fileBytes, info.width, info.height));
 }
 
+// Of rows of T whose channels are interleaved.
 template <class T>
-std::vector<float> channelOf(const std::vector<std::byte>& bytes, std::size_t channel, std::size_t channels) {
-    constexpr float kLargest = static_cast<float>(T(~T(0)));
-    std::vector<float> values(bytes.size() / sizeof(T) / channels);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        T stored;
-        std::memcpy(&stored, bytes.data() + (i * channels + channel) * sizeof(T), sizeof(T));
-        values[i] = static_cast<float>(stored) / kLargest;
-    }
-    return values;
+Image imageFrom(const std::vector<std::byte>& bytes, const PngInfo& info) {
+    const auto channels = static_cast<std::size_t>(info.channels);
+    const std::string_view names = channels <= 2 ? "YA" : "RGBA";
+    return imageOfPixels(info.width, info.height, names.substr(0, channels),
+                         [&](std::size_t x, std::size_t y, std::size_t c) {
+                             constexpr float kLargest = static_cast<float>(T(~T(0)));
+                             const std::size_t i = (y * info.width + x) * channels + c;
+                             T stored;
+                             std::memcpy(&stored, bytes.data() + i * sizeof(T), sizeof(T));
+                             return static_cast<float>(stored) / kLargest;
+                         });
 }
 
 } // namespace
@@ -146,28 +146,16 @@ Picture decodePng(std::span<const std::byte> bytes, const std::string& name, con
     const PngInfo info = reader.info();
     requirePlausible(info, bytes.size(), limits, name);
     const std::vector<std::byte> pixels = reader.pixels(info);
-    PicturePart part;
-    part.dataWindow = part.displayWindow = {0, 0, static_cast<std::int32_t>(info.width),
-                                            static_cast<std::int32_t>(info.height)};
+    Picture picture = singlePartPicture(name, fmt::format("PNG, {} bits", info.bits), ValueScale::Display,
+                                        info.bits == 16 ? imageFrom<std::uint16_t>(pixels, info)
+                                                        : imageFrom<std::uint8_t>(pixels, info));
+    PicturePart& part = picture.parts.front();
     if (info.pixelAspect > 0.0f) part.pixelAspect = info.pixelAspect; // 0: not given
     if (info.hasChromaticities) {
         std::array<float, 8> rgbw{};
         for (std::size_t i = 0; i < 8; ++i) rgbw[i] = static_cast<float>(info.chromaticities[(i + 2) % 8]);
         part.chromaticities = rgbw;
     }
-    part.image.width = info.width;
-    part.image.height = info.height;
-    const auto channels = static_cast<std::size_t>(info.channels);
-    const std::string names = channels <= 2 ? "YA" : "RGBA";
-    for (std::size_t c = 0; c < channels; ++c) {
-        ImageChannel& channel = part.image.channels.emplace_back();
-        channel.name = names.substr(c, 1);
-        channel.values = info.bits == 16 ? channelOf<std::uint16_t>(pixels, c, channels)
-                                         : channelOf<std::uint8_t>(pixels, c, channels);
-    }
-    std::ranges::sort(part.image.channels, {}, &ImageChannel::name);
-    Picture picture{name, fmt::format("PNG, {} bits", info.bits), ValueScale::Display, {}};
-    picture.parts.push_back(std::move(part));
     return picture;
 }
 

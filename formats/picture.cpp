@@ -35,17 +35,17 @@ PictureType requireType(std::span<const std::byte> bytes, const std::string& nam
     return *type;
 }
 
-Picture fromHdr(Image&& image, const std::string& name) {
+} // namespace
+
+Picture singlePartPicture(const std::string& name, std::string format, ValueScale scale, Image&& image) {
     PicturePart part;
     part.dataWindow = part.displayWindow = {0, 0, static_cast<std::int32_t>(image.width),
                                             static_cast<std::int32_t>(image.height)};
     part.image = std::move(image);
-    Picture picture{name, "Radiance HDR", ValueScale::Linear, {}};
+    Picture picture{name, std::move(format), scale, {}};
     picture.parts.push_back(std::move(part));
     return picture;
 }
-
-} // namespace
 
 Picture decodePicture(std::span<const std::byte> bytes, const std::string& name,
                       const PictureLimits& limits) {
@@ -61,11 +61,12 @@ Picture decodePicture(std::span<const std::byte> bytes, const std::string& name,
     case PictureType::Hdr:
         break;
     }
-    return fromHdr(decodeHdr(bytes, name, limits.maxPixelsOf(3)), name);
+    return singlePartPicture(name, "Radiance HDR", ValueScale::Linear,
+                             decodeHdr(bytes, name, limits.maxPixelsOf(3)));
 }
 
 Picture readPicture(const std::string& path, const PictureLimits& limits) {
-    const std::string name = path == "-" ? "standard input" : path;
+    const std::string name = inputName(path);
     const auto refuseOthers = [&](std::span<const std::byte> head) -> std::optional<std::uint64_t> {
         requireType(head, name);
         return std::nullopt;

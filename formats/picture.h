@@ -55,6 +55,9 @@ struct Picture {
     std::vector<PicturePart> parts; ///< at least one
 };
 
+/// A picture of one part, without a name, whose windows are those of the image.
+Picture singlePartPicture(const std::string& name, std::string format, ValueScale scale, Image&& image);
+
 /// What a reader accepts.
 struct PictureLimits {
     std::uint64_t maxPixels = std::uint64_t(1) << 28; ///< of each part

@@ -282,6 +282,27 @@ TEST_F(CompareCli, SelfTestShowsThatEveryFaultIsCaught) {
     expectError(compare({"--self-test", "nan.exr"}), 4, "does not pass against itself");
 }
 
+TEST_F(CompareCli, TheSameFileTwiceIsNoted) {
+    EXPECT_THAT(compare({"half.exr", "half.exr"}).out, HasSubstr("note: both names are the same file"));
+    EXPECT_THAT(compare({"half.exr", "zero.exr"}).out, testing::Not(HasSubstr("the same file")));
+}
+
+TEST_F(CompareCli, LimitsOfTwoNumbersSayHowTheyAreWritten) {
+    expectError(compare({"half.exr", "half.exr", "--max-over", "0.1"}), 2,
+                "'0.1' is not two numbers with a colon");
+    expectError(compare({"half.exr", "half.exr", "--max-over", "0.1:2"}), 2, "<= 1");
+}
+
+TEST_F(CompareCli, AnOutputInTheFolderOfSecondRendersIsRefused) {
+    std::filesystem::create_directory(folder_.file("second"));
+    write("second/half.exr", {0.25f, 0.25f});
+    const std::string before = readText(folder_.file("second/half.exr"));
+    expectError(compare({"zero.exr", "half.exr", "--second-seed", folder_.file("second"), "--json",
+                         "second/half.exr"}),
+                2, "is an input and an output");
+    EXPECT_EQ(readText(folder_.file("second/half.exr")), before);
+}
+
 // As two seeds' renders of something grey.
 void writeNoise(const std::string& path, unsigned seed, float gain) {
     Image image;

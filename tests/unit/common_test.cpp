@@ -192,7 +192,7 @@ TEST(DistinctPaths, OutputsAreNeitherInputsNorEachOther) {
     std::filesystem::create_symlink("a", link);
     EXPECT_NO_THROW(requireDistinctPaths({a, a, "-"}, {fresh, "-", "", "", "/dev/null", "/dev/null"}));
     for (const std::vector<std::string>& outputs : std::vector<std::vector<std::string>>{
-             {a}, {link}, {fresh, spelled}, {"-", fresh, "-"}, {folder.file("sub/../a")}}) {
+             {a}, {link}, {fresh, spelled}, {"new", "./new"}, {"-", fresh, "-"}, {folder.file("sub/../a")}}) {
         try {
             requireDistinctPaths({a}, outputs);
             ADD_FAILURE() << outputs[0];

@@ -25,8 +25,9 @@ Image handB() {
                    {floats("B", {1, 2, 3, 4}), floats("G", {0.5f, 1, 1, 1}), floats("R", {0, 2, 2, 1})});
 }
 
-Comparison compare(const Image& a, const Image& b, const CompareOptions& options = {}) {
-    return comparePictures(pictureOf(a), pictureOf(b), options).comparison;
+Comparison compare(const Image& a, const Image& b, const CompareOptions& options = {},
+                   const SidePictures& side = {}) {
+    return comparePictures(pictureOf(a), pictureOf(b), options, side).comparison;
 }
 
 ErrorFigures figuresOf(float a, float b, double peak = 1.0) {
@@ -175,9 +176,7 @@ TEST(CompareMetrics, AMaskTakesItsPixelsOutOfEveryFigure) {
     for (std::size_t i = 0; i < 157 * 61; i += 3) mask.channels[0].values[i] = 0.0f;
     const RandomPair pair(4, 157, 61, &mask);
     const Picture maskPicture = pictureOf(mask);
-    CompareOptions options;
-    options.focus.mask = &maskPicture;
-    const Comparison c = compare(pair.a, pair.b, options);
+    const Comparison c = compare(pair.a, pair.b, {}, {&maskPicture});
     const ErrorFigures& f = colorOf(c)->figures;
     EXPECT_EQ(f.values, pair.errors.size());
     EXPECT_EQ(c.ignored, 157u * 61u - pair.errors.size() / 3u);
@@ -249,7 +248,7 @@ TEST(CompareMetrics, AgreesWithPublishedValuesOfPngPairs) {
     if (!std::filesystem::is_directory(scenePath("images/flip"))) GTEST_SKIP() << "no scenes";
     for (const PublishedPng& pair : pairs) {
         CompareOptions options;
-        options.focus.onlyChannels = {"R", "G", "B"};
+        options.channels.only = {"R", "G", "B"};
         const Comparison c =
             comparePictures(readPicture(scenePath(std::string("images/") + pair.a), {}),
                             readPicture(scenePath(std::string("images/") + pair.b), {}), options)

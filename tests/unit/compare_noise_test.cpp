@@ -1,3 +1,4 @@
+#include "common/error.h"
 #include "tests/support/test_pictures.h"
 #include "tools/rt-compare/compare.h"
 
@@ -58,8 +59,8 @@ NoiseTest testNoise(const Image& a, const Image& b, const Image* second = nullpt
     CompareOptions options;
     const Picture c = pictureOf(second ? *second : b);
     options.noise.on = true;
-    if (second) options.noise.second = &c;
-    return *comparePictures(pictureOf(a), pictureOf(b), options).comparison.noise;
+    return *comparePictures(pictureOf(a), pictureOf(b), options, {nullptr, second ? &c : nullptr})
+                .comparison.noise;
 }
 
 void scaleIn(Image& image, std::uint32_t lo, std::uint32_t hi, float factor) {
@@ -165,9 +166,39 @@ TEST(NoiseTest, OtherNumbersOfSamplesAreKnown) {
     b.channels.pop_back(); // its variance follows from the other's
     CompareOptions options;
     options.noise.on = true;
-    options.allowed.insert("channels");
+    options.allowed.insert(FindingKind::Channels);
     EXPECT_TRUE(comparePictures(pictureOf(a), pictureOf(b), options).comparison.noise->passed());
     EXPECT_GT(comparePictures(pictureOf(a), pictureOf(b), options).comparison.noise->pixels, 0u);
+}
+
+TEST(NoiseTest, TheSameRenderAgainIsNoSecondOne) {
+    const Image a = render(20, gaussian, 16), b = render(21, gaussian, 16);
+    EXPECT_THROW(testNoise(a, b, &a), Error) << "which would hide all that a single pixel has of faults";
+    EXPECT_THROW(testNoise(a, b, &b), Error);
+    EXPECT_TRUE(testNoise(b, b, &b).passed()) << "equal pictures have no noise to tell";
+}
+
+TEST(NoiseTest, AVarianceThatCannotBeIsCaught) {
+    Image a = render(22, gaussian, 16);
+    const Image b = render(23, gaussian, 16);
+    ASSERT_TRUE(testNoise(a, b).passed());
+    for (std::size_t i = 0; i < 10; ++i) a.channels[0].values[i * 97] = 60.0f;
+    EXPECT_GT(testNoise(a, b).significantPixels, 0u);
+    a.channels[1].values.assign(a.pixelCount(), 1e8f); // in which any pixel may differ
+    const NoiseTest found = testNoise(a, b);
+    ASSERT_GT(found.significantRegionCount, 0u);
+    EXPECT_EQ(found.significantRegions[0].channel, "variance");
+}
+
+TEST(NoiseTest, IdsAreComparedAllTheSame) {
+    Image a = render(24, gaussian, 16), b = render(25, gaussian, 16);
+    a.channels.insert(a.channels.begin() + 1, uints("id", std::vector<std::uint32_t>(a.pixelCount(), 1)));
+    b.channels.insert(b.channels.begin() + 1, uints("id", std::vector<std::uint32_t>(b.pixelCount(), 2)));
+    CompareOptions options;
+    options.noise.on = true;
+    EXPECT_FALSE(comparePictures(pictureOf(a), pictureOf(b), options).comparison.passed());
+    options.limits = {{Metric::Differing, "id", 0, 1}};
+    EXPECT_TRUE(comparePictures(pictureOf(a), pictureOf(b), options).comparison.passed());
 }
 
 TEST(NoiseTest, TakesThePlaceOfEqualColorsInTheVerdict) {

@@ -158,6 +158,23 @@ TEST(ImageExr, MultiPartAndDeepFilesAreRefusedByName) {
     EXPECT_THAT(errorOf(bytes).second, HasSubstr("deep"));
 }
 
+TEST(ImageExr, ChannelsOutOfOrderAndNamedTwiceAreRefused) {
+    Image image;
+    image.width = image.height = 1;
+    image.channels = {{"a", Type::Float, {1.0f}, {}}, {"b", Type::Float, {2.0f}, {}}};
+    const auto renamed = [&](char first, char second) {
+        std::vector<std::byte> bytes = encodeExr(image);
+        const std::size_t list = attributeValue(bytes, "channels", "chlist"),
+                          entry = 2 + 16; // name, 0; type to sampling
+        bytes[list] = std::byte(first);
+        bytes[list + entry] = std::byte(second);
+        return bytes;
+    };
+    EXPECT_EQ(decode(renamed('c', 'd')).channels[1].values[0], 2.0f);
+    EXPECT_THAT(errorOf(renamed('b', 'b')).second, HasSubstr("two channels b"));
+    EXPECT_THAT(errorOf(renamed('z', 'b')).second, HasSubstr("channel z stands before b"));
+}
+
 TEST(ImageExr, HugeWindowsAreALimitAndImplausibleOnesAreDamage) {
     std::vector<std::byte> bytes = encodeExr(sampleImage());
     const std::size_t window = attributeValue(bytes, "dataWindow", "box2i");

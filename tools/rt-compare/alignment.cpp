@@ -10,7 +10,7 @@ namespace {
 
 class ShiftSearch {
 public:
-    ShiftSearch(const LayerPair& layer, const Focus& focus, int radius)
+    ShiftSearch(const LayerPair& layer, const ComparedRegion& focus, int radius)
         : layer_(layer), focus_(focus), radius_(radius), width_(static_cast<int>(focus.box.width())),
           height_(static_cast<int>(focus.box.height())) {
         for (int dy = -radius; dy <= radius; ++dy)
@@ -63,7 +63,7 @@ private:
     }
 
     const LayerPair& layer_;
-    const Focus& focus_;
+    const ComparedRegion& focus_;
     int radius_, width_, height_;
     std::vector<Alignment> candidates_;
 };
@@ -74,10 +74,10 @@ std::optional<Alignment> findAlignment(const PreparedPair& pair, const Compariso
     for (std::size_t i = 0; i < pair.layers.size(); ++i) {
         if (pair.layers[i].kind == LayerKind::Ids) continue;
         const bool differs = comparison.layers[i].figures.maxAbs > 0.0;
-        const PixelBox& box = pair.focus[pair.layers[i].part].box;
+        const PixelBox& box = pair.regions[pair.layers[i].part].box;
         const int radius = std::min(maxShift, static_cast<int>(std::min(box.width(), box.height())) / 4);
         if (!differs || radius < 1) return std::nullopt;
-        return ShiftSearch(pair.layers[i], pair.focus[pair.layers[i].part], radius).run();
+        return ShiftSearch(pair.layers[i], pair.regions[pair.layers[i].part], radius).run();
     }
     return std::nullopt;
 }

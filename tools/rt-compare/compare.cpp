@@ -15,26 +15,48 @@ bool isZero(const ValueRange& range) {
     return range.min == 0.0 && range.max == 0.0;
 }
 
+// In which of the pictures the chosen channels are 0 everywhere.
+struct Blackness {
+    bool a = true, b = true;
+    bool differs() const { return a != b; }
+};
+
+Blackness blacknessOf(const LayerComparison& layer, bool ofOpacity) {
+    Blackness black;
+    for (const ChannelComparison& channel : layer.channels) {
+        const bool isOpacity =
+            layer.kind == LayerKind::Color && splitChannelName(channel.name).last.ends_with("A");
+        if (isOpacity != ofOpacity) continue;
+        black.a = black.a && isZero(channel.figures.a);
+        black.b = black.b && isZero(channel.figures.b);
+    }
+    return black;
+}
+
 // A loose limit may let a black picture pass where little is to be seen; it is never what was wanted.
-void findBlack(const std::set<std::string>& allowed, Comparison& comparison) {
-    std::vector<Finding> found;
+void findBlack(const AllowedKinds& allowed, Comparison& comparison) {
+    const auto add = [&](const LayerComparison& layer, const Blackness& black, const char* what) {
+        if (!black.differs()) return;
+        comparison.findings.push_back(
+            {FindingKind::Black,
+             fmt::format("{}: the {} image is {} everywhere, the {} is not", layer.name,
+                         black.a ? "first" : "second", what, black.a ? "second" : "first"),
+             !allowed.contains(FindingKind::Black)});
+    };
     for (const LayerComparison& layer : comparison.layers) {
         if (layer.kind == LayerKind::Ids) continue;
-        bool isBlackA = true, isBlackB = true;
-        for (const ChannelComparison& channel : layer.channels) {
-            if (layer.kind == LayerKind::Color && channel.name.ends_with("A")) continue;
-            isBlackA = isBlackA && isZero(channel.figures.a);
-            isBlackB = isBlackB && isZero(channel.figures.b);
-        }
-        if (isBlackA != isBlackB)
-            found.push_back(
-                {"black",
-                 fmt::format("{}: the {} image is {} everywhere, the {} is not", layer.name,
-                             isBlackA ? "first" : "second", layer.kind == LayerKind::Color ? "black" : "0",
-                             isBlackA ? "second" : "first"),
-                 !allowed.contains("black")});
+        add(layer, blacknessOf(layer, false), layer.kind == LayerKind::Color ? "black" : "0");
+        add(layer, blacknessOf(layer, true), "transparent");
     }
-    std::ranges::move(found, std::back_inserter(comparison.findings));
+}
+
+// Whether some limit holds the layer or a channel of it.
+bool isGated(const LayerComparison& layer, const Comparison& comparison) {
+    return std::ranges::any_of(comparison.checks, [&](const LimitCheck& check) {
+        return check.where == layer.name ||
+               std::ranges::find(layer.channels, check.where, &ChannelComparison::name) !=
+                   layer.channels.end();
+    });
 }
 
 // Layers that no limit and no noise test holds and that differ should not go unseen.
@@ -42,13 +64,8 @@ void noteUngated(Comparison& comparison) {
     std::vector<std::string> names;
     for (const LayerComparison& layer : comparison.layers) {
         if (comparison.noise && layer.kind != LayerKind::Ids) continue;
-        const auto isGated = [&](const LimitCheck& check) {
-            return check.where == layer.name ||
-                   std::ranges::find(layer.channels, check.where, &ChannelComparison::name) !=
-                       layer.channels.end();
-        };
         const bool differs = !layer.figures.over.empty() && layer.figures.over.front().pixels > 0;
-        if (differs && std::ranges::none_of(comparison.checks, isGated)) names.push_back(layer.name);
+        if (differs && !isGated(layer, comparison)) names.push_back(layer.name);
     }
     if (!names.empty())
         comparison.notes.push_back(fmt::format(
@@ -58,13 +75,29 @@ void noteUngated(Comparison& comparison) {
 }
 
 // A name that is mistyped would leave out more, or less, than was meant.
-void findUnknownNames(const Picture& a, const Picture& b, const FocusOptions& focus, Comparison& comparison) {
-    for (const std::string& name : unknownNames(a, b, focus.onlyChannels))
+void findUnknownNames(const Picture& a, const Picture& b, const ChannelSelection& selection,
+                      Comparison& comparison) {
+    for (const std::string& name : unknownNames(a, b, selection.only))
         comparison.findings.push_back(
-            {"nothing", fmt::format("no channel or layer is called {}, which --channels names", name), true});
-    for (const std::string& name : unknownNames(a, b, focus.withoutChannels))
+            {FindingKind::Nothing,
+             fmt::format("no channel or layer is called {}, which --channels names", name)});
+    for (const std::string& name : unknownNames(a, b, selection.without))
         comparison.notes.push_back(
             fmt::format("no channel or layer is called {}, which --ignore-channels names", name));
+}
+
+// Limits of colors alone, where there are no colors, hold nothing: ids and such would pass for a picture.
+void findIdleLimits(const CompareOptions& options, Comparison& comparison) {
+    const auto isColor = [](const LayerComparison& layer) { return layer.kind == LayerKind::Color; };
+    if (options.noise.on || std::ranges::any_of(comparison.layers, isColor)) return;
+    for (const LayerComparison& layer : comparison.layers)
+        if (!isGated(layer, comparison)) {
+            comparison.findings.push_back(
+                {FindingKind::Nothing,
+                 fmt::format("no limit holds {}, for there are no colors: --max-rmse {}=X sets one",
+                             layer.name, layer.name)});
+            return;
+        }
 }
 
 void addNoiseFindings(Comparison& comparison) {
@@ -72,36 +105,32 @@ void addNoiseFindings(Comparison& comparison) {
     const NoiseTest& noise = *comparison.noise;
     if (!noise.tooSmall.empty())
         comparison.findings.push_back(
-            {"noise",
+            {FindingKind::Noise,
              fmt::format("{} differ, in too few pixels to tell that from noise; compare them with limits "
                          "instead",
-                         fmt::join(noise.tooSmall, ", ")),
-             true});
+                         fmt::join(noise.tooSmall, ", "))});
     if (noise.significantPixels > 0)
         comparison.findings.push_back(
-            {"noise",
+            {FindingKind::Noise,
              fmt::format("{} of {} pixels differ by more than their noise, the largest by "
                          "{:.3g} standard deviations",
-                         noise.significantPixels, noise.pixels, noise.largestZ),
-             true});
+                         noise.significantPixels, noise.pixels, noise.largestZ)});
     if (noise.significantRegionCount > 0) {
         const NoiseTest::Region& worst = noise.significantRegions.front();
         comparison.findings.push_back(
-            {"noise",
+            {FindingKind::Noise,
              fmt::format(
                  "{} of {} regions differ by more than their noise; {} at {},{},{},{} by {:.3g} ({:.3g} %), "
                  "which noise does with a probability of {:.1e}",
                  noise.significantRegionCount, noise.regions, worst.channel, worst.box.x0, worst.box.y0,
-                 worst.box.x1, worst.box.y1, worst.bias, 100.0 * worst.relativeBias, worst.probability),
-             true});
+                 worst.box.x1, worst.box.y1, worst.bias, 100.0 * worst.relativeBias, worst.probability)});
     }
 }
 
 void noteSamples(const PreparedPair& pair, Comparison& comparison) {
     const auto samplesOf = [](const Picture& picture) {
-        const auto& ints = picture.parts.front().image.ints;
-        const auto found = ints.find("samplesPerPixel");
-        return found == ints.end() ? std::string("unknown") : std::to_string(found->second);
+        const std::optional<int> samples = samplesPerPixel(picture);
+        return samples ? std::to_string(*samples) : std::string("unknown");
     };
     const std::string a = samplesOf(pair.a), b = samplesOf(pair.b);
     if (a != b) comparison.notes.push_back(fmt::format("samples per pixel: {} against {}", a, b));
@@ -109,34 +138,32 @@ void noteSamples(const PreparedPair& pair, Comparison& comparison) {
 
 } // namespace
 
-ComparedPair comparePictures(Picture&& a, Picture&& b, const CompareOptions& options) {
-    Comparison result;
-    findUnknownNames(a, b, options.focus, result);
-    PreparedPair pair =
-        preparePair(std::move(a), std::move(b), options.focus, options.allowed, result.findings);
-    result.scale = pair.a.scale;
-    if (!pair.focus.empty()) result.box = pair.focus.front().box;
-    for (const Focus& focus : pair.focus) result.ignored += focus.ignoredCount;
-    findNonFinite(pair, options.allowSameNonFinite, result);
-    noteSamples(pair, result);
+PairResult comparePictures(Picture&& a, Picture&& b, const CompareOptions& options,
+                           const SidePictures& side) {
+    PairResult result;
+    Comparison& comparison = result.comparison;
+    findUnknownNames(a, b, options.channels, comparison);
+    const PreparedPair& pair =
+        result.pair.emplace(preparePair(std::move(a), std::move(b), options, side.mask, comparison.findings));
+    comparison.scale = pair.a.scale;
+    if (!pair.regions.empty()) comparison.box = pair.regions.front().box;
+    for (const ComparedRegion& region : pair.regions) comparison.ignored += region.ignoredCount;
+    findNonFinite(pair, options.allowSameNonFinite, comparison);
+    noteSamples(pair, comparison);
     for (const LayerPair& layer : pair.layers)
-        result.layers.push_back(measureLayer(layer, pair.focus[layer.part], options.metrics));
-    std::vector<PerceptionMaps> maps = addPerception(pair, options.perception, result);
-    if (pair.layers.empty() && result.passed())
-        result.findings.push_back({"nothing", "the images have no channel in common", true});
-    findBlack(options.allowed, result);
-    if (options.noise.isOn()) result.noise = testNoise(pair, options.noise);
-    addNoiseFindings(result);
-    checkLimits(options.limits, options.noise.isOn(), result);
-    if (!result.layers.empty() && result.checks.empty() && !options.noise.isOn())
-        result.findings.push_back(
-            {"nothing",
-             fmt::format("no limit holds any layer, for there are no colors: --max-rmse {}=X sets one",
-                         result.layers.front().name),
-             true});
-    noteUngated(result);
-    if (options.maxShift > 0) result.alignment = findAlignment(pair, result, options.maxShift);
-    return {std::move(pair), std::move(result), std::move(maps)};
+        comparison.layers.push_back(measureLayer(layer, pair.regions[layer.part], options.metrics));
+    result.maps = addPerception(pair, options.perception, comparison);
+    if (pair.layers.empty() && comparison.passed())
+        comparison.findings.push_back({FindingKind::Nothing, "the images have no channel in common"});
+    findBlack(options.allowed, comparison);
+    if (options.noise.on) comparison.noise = testNoise(pair, options.noise, side.second);
+    addNoiseFindings(comparison);
+    checkLimits(options.limits, options.noise.on, comparison);
+    findIdleLimits(options, comparison);
+    noteUngated(comparison);
+    if (options.maxShift > 0) comparison.alignment = findAlignment(pair, comparison, options.maxShift);
+    result.exitCode = comparison.passed() ? 0 : kExitImagesDiffer;
+    return result;
 }
 
 } // namespace rt

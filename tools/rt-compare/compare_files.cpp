@@ -3,8 +3,6 @@
 #include "common/error.h"
 #include "formats/parallel_check.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 
@@ -16,7 +14,46 @@ std::optional<Picture> readOptional(const std::string& path, const PictureLimits
     return readPicture(path, limits);
 }
 
-// In a folder of second renders the one with the reference's name.
+PairResult unread(const FilePair& pair, const std::string& problem, int exitCode) {
+    PairResult result;
+    result.nameA = pair.a;
+    result.nameB = pair.b;
+    result.problem = problem;
+    result.exitCode = exitCode;
+    return result;
+}
+
+PairResult comparePair(const FilePair& pair, const Options& options, const Picture* mask) {
+    if (pair.a.empty() || pair.b.empty())
+        return unread(pair,
+                      pair.b.empty() ? pair.a + ": is only among the first images"
+                                     : pair.b + ": is only among the second images",
+                      options.compare.allowed.contains(FindingKind::Files) ? 0 : kExitImagesDiffer);
+    Picture a, b;
+    std::optional<Picture> second;
+    checkTogether({[&] { a = readPicture(pair.a, options.reading); },
+                   [&] { b = readPicture(pair.b, options.reading); },
+                   [&] { second = readOptional(secondPathFor(pair, options), options.reading); }});
+    PairResult result =
+        comparePictures(std::move(a), std::move(b), options.compare, {mask, second ? &*second : nullptr});
+    result.nameA = pair.a;
+    result.nameB = pair.b;
+    std::error_code ignored; // standard input is no file
+    if (std::filesystem::equivalent(pair.a, pair.b, ignored))
+        result.comparison.notes.push_back("both names are the same file, which cannot fail");
+    return result;
+}
+
+PairResult compareOneOfMany(const FilePair& pair, const Options& options, const Picture* mask) {
+    try {
+        return comparePair(pair, options, mask);
+    } catch (const Error& error) {
+        return unread(pair, error.what(), static_cast<int>(error.kind()));
+    }
+}
+
+} // namespace
+
 std::string secondPathFor(const FilePair& pair, const Options& options) {
     std::error_code ignored;
     if (options.secondPath.empty() || !std::filesystem::is_directory(options.secondPath, ignored))
@@ -28,59 +65,18 @@ std::string secondPathFor(const FilePair& pair, const Options& options) {
     return (options.secondPath / relative).string();
 }
 
-PairResult missing(const FilePair& pair, bool allowed) {
-    const bool isInA = pair.b.empty();
-    return {
-        pair.a,
-        pair.b,
-        {},
-        fmt::format("{}: is only among the {} images", isInA ? pair.a : pair.b, isInA ? "first" : "second"),
-        allowed ? 0 : kExitImagesDiffer};
-}
-
-struct Outcome {
-    PairResult result;
-    std::optional<PreparedPair> pair;
-};
-
-Outcome comparePair(const FilePair& pair, const Options& options, const Picture* mask) {
-    if (pair.a.empty() || pair.b.empty())
-        return {missing(pair, options.compare.allowed.contains("files")), {}};
-    Picture a, b;
-    std::optional<Picture> second;
-    checkTogether({[&] { a = readPicture(pair.a, options.reading); },
-                   [&] { b = readPicture(pair.b, options.reading); },
-                   [&] { second = readOptional(secondPathFor(pair, options), options.reading); }});
-    CompareOptions compare = options.compare;
-    compare.focus.mask = mask;
-    compare.noise.second = second ? &*second : nullptr;
-    ComparedPair compared = comparePictures(std::move(a), std::move(b), compare);
-    const int exitCode = compared.comparison.passed() ? 0 : kExitImagesDiffer;
-    return {{pair.a, pair.b, std::move(compared.comparison), {}, exitCode, std::move(compared.maps)},
-            std::move(compared.pair)};
-}
-
-Outcome compareOneOfMany(const FilePair& pair, const Options& options, const Picture* mask) {
-    try {
-        return comparePair(pair, options, mask);
-    } catch (const Error& error) {
-        return {{pair.a, pair.b, {}, error.what(), static_cast<int>(error.kind())}, {}};
-    }
-}
-
-} // namespace
-
 int comparePairs(const std::vector<FilePair>& pairs, const Options& options, const PairSink& sink) {
     const std::optional<Picture> mask = readOptional(options.maskPath, options.reading);
     Options effective = options;
     if (std::ranges::all_of(pairs, [](const FilePair& pair) { return pair.a.empty() || pair.b.empty(); }))
-        effective.compare.allowed.erase("files"); // else nothing at all would be compared, and pass
+        effective.compare.allowed.erase(
+            FindingKind::Files); // else nothing at all would be compared, and pass
     int exitCode = 0;
     for (const FilePair& pair : pairs) {
         const auto compareIt = pairs.size() == 1 ? comparePair : compareOneOfMany;
-        const Outcome outcome = compareIt(pair, effective, mask ? &*mask : nullptr);
-        sink(outcome.result, outcome.pair ? &*outcome.pair : nullptr);
-        if (exitCode <= kExitImagesDiffer) exitCode = std::max(exitCode, outcome.result.exitCode);
+        const PairResult result = compareIt(pair, effective, mask ? &*mask : nullptr);
+        sink(result);
+        if (exitCode <= kExitImagesDiffer) exitCode = std::max(exitCode, result.exitCode);
     }
     return exitCode;
 }

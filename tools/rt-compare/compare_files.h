@@ -1,28 +1,19 @@
 #pragma once
 #include "tools/rt-compare/file_pairs.h"
 #include "tools/rt-compare/options.h"
-#include "tools/rt-compare/verdict.h"
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace rt {
 
-/// What became of one pair of files.
-struct PairResult {
-    std::string nameA, nameB;              ///< empty: there is no such file
-    std::optional<Comparison> comparison;  ///< absent if a file could not be read or is missing
-    std::string problem;                   ///< why it is absent
-    int exitCode = 0;                      ///< of this pair alone
-    std::vector<PerceptionMaps> maps = {}; ///< of the layers, as far as they were asked for
+/// Is given each result in order.
+using PairSink = std::function<void(const PairResult& result)>;
 
-    Verdict verdict() const { return verdictOf(exitCode); }
-};
-
-/// Is given each result in order, with the pictures where they were compared.
-using PairSink = std::function<void(const PairResult& result, const PreparedPair* pair)>;
+/// The file of --second-seed for a pair: in a folder of second renders the one with the reference's name.
+/// Empty: none is wanted.
+std::string secondPathFor(const FilePair& pair, const Options& options);
 
 /// Compares every pair, one at a time. Of a single pair that cannot be read, the error is thrown; of several,
 /// it is the pair's result. Returns the exit code of all: that of the first pair that could not be read, else

@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/picture.h"
+#include "tools/rt-compare/finding.h"
 
 #include <array>
 #include <cstdint>
@@ -184,14 +185,7 @@ struct NoiseTest {
     bool passed() const { return significantPixels == 0 && significantRegionCount == 0 && tooSmall.empty(); }
 };
 
-/// One thing found that the pictures differ in or that should not be in them.
-struct Finding {
-    std::string
-        kind; ///< what --allow takes: "size", "channels", ...; or "limit", "non-finite", "noise", "nothing"
-    std::string text;  ///< for people, whole
-    bool fails = true; ///< else it is allowed
-};
-
+/// What was found out about two pictures.
 struct Comparison {
     ValueScale scale = ValueScale::Linear;
     PixelBox box;              ///< of the first part: what was compared

@@ -57,12 +57,12 @@ void addFine(double absError, const Slots& slots, FineCounts& counts) {
     if (slot >= 0) ++counts[static_cast<std::size_t>(slot) * kFineBins + (bits & 0xFFFFu)];
 }
 
-FineCounts countFine(const ChannelPair& channel, const Focus& focus, const Slots& slots) {
+FineCounts countFine(const ChannelPair& channel, const ComparedRegion& focus, const Slots& slots) {
     FineCounts counts(slots.bins.size() * kFineBins);
     const std::vector<float>&a = channel.a->values, &b = channel.b->values;
     for (std::size_t i = 0; i < a.size(); ++i) {
         const double absError = std::abs(double(a[i]) - double(b[i]));
-        if (!std::isfinite(absError) || (!focus.ignored.empty() && focus.ignored[i])) continue;
+        if (!std::isfinite(absError) || !focus.isCompared(i)) continue;
         addFine(absError, slots, counts);
     }
     return counts;
@@ -101,7 +101,7 @@ ErrorHistogram histogramOf(const ErrorCounts& counts) {
     return histogram;
 }
 
-std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, const Focus& focus,
+std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, const ComparedRegion& focus,
                                                      const std::vector<ErrorCounts>& channelCounts,
                                                      std::span<const double> percents) {
     std::vector<std::vector<CoarsePlace>> places; // of each channel, then of all

@@ -32,7 +32,7 @@ ErrorHistogram histogramOf(const ErrorCounts& counts);
 
 /// Exact percentiles of each channel and, last, of all together, from the counts of each channel: one more
 /// pass over the values that share the upper bits of an answer.
-std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, const Focus& focus,
+std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, const ComparedRegion& focus,
                                                      const std::vector<ErrorCounts>& channelCounts,
                                                      std::span<const double> percents);
 

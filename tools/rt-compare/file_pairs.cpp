@@ -3,6 +3,7 @@
 #include "common/binary_io.h"
 #include "common/error.h"
 #include "common/log.h"
+#include "formats/image.h"
 
 #include <fmt/format.h>
 
@@ -35,11 +36,8 @@ std::vector<FilePair> pairUp(const std::map<Key, std::string>& a, const std::map
 }
 
 bool isPicture(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
     constexpr std::array kExtensions{".exr", ".png", ".jpg", ".jpeg", ".pfm", ".hdr"};
-    return std::ranges::find(kExtensions, extension) != kExtensions.end();
+    return std::ranges::find(kExtensions, extensionOf(path.string())) != kExtensions.end();
 }
 
 [[noreturn]] void throwUnreadable(const std::string& folder, const std::error_code& failure) {
@@ -149,7 +147,7 @@ std::vector<FilePair> findPairs(const std::string& a, const std::string& b) {
 std::vector<FilePair> readPairList(const std::string& path) {
     static constexpr std::uint64_t kMaxBytes = std::uint64_t(64) << 20; // for streams may have no end
     const auto bytes = readFile(path, {0, [](auto) { return std::optional(kMaxBytes); }, std::nullopt});
-    const std::string name = path == "-" ? "standard input" : path;
+    const std::string name = inputName(path);
     if (bytes.size() > kMaxBytes)
         throw Error(ErrorKind::LimitExceeded,
                     fmt::format("{}: lists of more than {} MiB are not read", name, kMaxBytes >> 20));

@@ -18,7 +18,7 @@ std::vector<float> absoluteErrors(const ChannelPair& channel) {
 }
 
 std::vector<float> largestErrors(const PreparedPair& pair, const LayerPair& layer) {
-    std::vector<float> largest(pair.focus[layer.part].box.pixelCount());
+    std::vector<float> largest(pair.regions[layer.part].box.pixelCount());
     for (const ChannelPair& channel : layer.channels) {
         const std::vector<float> errors = absoluteErrors(channel);
         for (std::size_t i = 0; i < errors.size(); ++i)
@@ -71,8 +71,8 @@ std::vector<float> heatValues(const PreparedPair& pair, const PerceptionMaps& ma
 
 Image heatMap(const PreparedPair& pair, const std::vector<PerceptionMaps>& maps, HeatFigure figure) {
     Image image;
-    image.width = pair.focus.front().box.width();
-    image.height = pair.focus.front().box.height();
+    image.width = pair.regions.front().box.width();
+    image.height = pair.regions.front().box.height();
     std::optional<std::size_t> shown;
     for (std::size_t i = 0; i < pair.layers.size(); ++i) {
         const LayerPair& layer = pair.layers[i];

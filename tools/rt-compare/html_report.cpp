@@ -2,6 +2,7 @@
 
 #include "formats/heat_color.h"
 #include "tools/rt-compare/heat_map.h"
+#include "tools/rt-compare/markup.h"
 #include "tools/rt-compare/report_page.h"
 
 #include <glm/gtc/packing.hpp>
@@ -105,10 +106,10 @@ std::string packedBytes(const PageScale& scale, const std::vector<float>& values
     return packed(bytes);
 }
 
-Json flipHistogram(const std::vector<float>& flip, const std::vector<std::uint8_t>& ignored) {
+Json flipHistogram(const std::vector<float>& flip, const ComparedRegion& region) {
     std::array<std::uint64_t, 64> counts{};
     for (std::size_t i = 0; i < flip.size(); ++i)
-        if (ignored.empty() || !ignored[i])
+        if (region.isCompared(i))
             ++counts[std::min(static_cast<std::size_t>(flip[i] * 64.0f), std::size_t(63))];
     return counts;
 }
@@ -126,7 +127,7 @@ Json describeLayer(const PageScale& scale, const PreparedPair& pair, const Perce
     result["heat"] = packedBytes(scale, heatValues(pair, maps, index, HeatFigure::Abs));
     if (maps.flip.empty()) return result;
     result["flip"] = packedBytes(scale, maps.flip);
-    result["flipHistogram"] = flipHistogram(maps.flip, pair.focus[layer.part].ignored);
+    result["flipHistogram"] = flipHistogram(maps.flip, pair.regions[layer.part]);
     return result;
 }
 
@@ -145,7 +146,7 @@ Json pageData(const Json& report, const PreparedPair& pair, const std::vector<Pe
               {"heatColors", heatColors()},
               {"layers", Json::array()}};
     if (pair.layers.empty()) return data;
-    const PixelBox& box = pair.focus.front().box;
+    const PixelBox& box = pair.regions.front().box;
     const PageScale scale(box);
     data.update({{"x0", box.x0},
                  {"y0", box.y0},
@@ -157,7 +158,7 @@ Json pageData(const Json& report, const PreparedPair& pair, const std::vector<Pe
     return data;
 }
 
-// Of JSON, which may stand inside a <script>, and of a text inside an element.
+// JSON as it may stand inside a <script>.
 std::string escapedJson(const Json& data) {
     std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace), result;
     result.reserve(text.size());
@@ -166,16 +167,6 @@ std::string escapedJson(const Json& data) {
             result += "\\u003c";
         else
             result += c;
-    return result;
-}
-std::string escapedText(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-        if (c == '<' || c == '>' || c == '&')
-            result += c == '<' ? "&lt;" : c == '>' ? "&gt;" : "&amp;";
-        else
-            result += c;
-    }
     return result;
 }
 
@@ -194,13 +185,12 @@ std::string filled(const std::string& page, const std::vector<std::pair<std::str
 
 } // namespace
 
-std::string htmlReport(const Json& report, const PreparedPair& pair,
-                       const std::vector<PerceptionMaps>& maps) {
+std::string htmlReport(const Json& report, const PairResult& result) {
     const std::string title = "rt-compare: " + report.at("verdict").get<std::string>() + ": " +
                               report.at("a").at("file").get<std::string>();
-    return filled(kReportPage, {{"title", escapedText(title)},
+    return filled(kReportPage, {{"title", escapedMarkup(title)},
                                 {"style", kReportStyle},
-                                {"data", escapedJson(pageData(report, pair, maps))},
+                                {"data", escapedJson(pageData(report, *result.pair, result.maps))},
                                 {"script", kReportScript}});
 }
 

@@ -1,5 +1,7 @@
 #include "tools/rt-compare/json_report.h"
 
+#include "tools/rt-compare/limits.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -152,7 +154,8 @@ Json describePlaces(const std::vector<NonFinitePlace>& places) {
 void addFindings(const Comparison& comparison, Json& report) {
     Json findings = Json::array(), checks = Json::array();
     for (const Finding& finding : comparison.findings)
-        findings.push_back({{"kind", finding.kind}, {"text", finding.text}, {"fails", finding.fails}});
+        findings.push_back(
+            {{"kind", traitsOf(finding.kind).name}, {"text", finding.text}, {"fails", finding.fails}});
     for (const LimitCheck& check : comparison.checks)
         checks.push_back({{"where", check.where},
                           {"metric", metricName(check.limit)},
@@ -166,19 +169,19 @@ void addFindings(const Comparison& comparison, Json& report) {
 
 } // namespace
 
-Json jsonReport(const PairResult& result, const PreparedPair* pair) {
+Json jsonReport(const PairResult& result) {
     const auto fileOf = [](const std::string& name) {
         return Json{{"file", name.empty() ? Json() : Json(name)}};
     };
-    if (!result.comparison)
+    if (!result.pair)
         return {{"a", fileOf(result.nameA)},
                 {"b", fileOf(result.nameB)},
                 {"exitCode", result.exitCode},
                 {"verdict", verdictName(result.verdict())},
                 {"problem", result.problem}};
-    const Comparison& comparison = *result.comparison;
-    Json report{{"a", describePicture(result.nameA, pair->a, comparison.nonFiniteA)},
-                {"b", describePicture(result.nameB, pair->b, comparison.nonFiniteB)},
+    const Comparison& comparison = result.comparison;
+    Json report{{"a", describePicture(result.nameA, result.pair->a, comparison.nonFiniteA)},
+                {"b", describePicture(result.nameB, result.pair->b, comparison.nonFiniteB)},
                 {"exitCode", result.exitCode},
                 {"verdict", verdictName(result.verdict())},
                 {"box", boxOf(comparison.box)},

@@ -1,5 +1,8 @@
 #include "tools/rt-compare/junit_report.h"
 
+#include "tools/rt-compare/finding.h"
+#include "tools/rt-compare/markup.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -8,28 +11,10 @@
 namespace rt {
 namespace {
 
-// XML has no place for other control characters, not even escaped.
-std::string escaped(const std::string& text) {
-    std::string result;
-    for (const char c : text) {
-        if (c == '&')
-            result += "&amp;";
-        else if (c == '<')
-            result += "&lt;";
-        else if (c == '>')
-            result += "&gt;";
-        else if (c == '"')
-            result += "&quot;";
-        else
-            result += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
-    }
-    return result;
-}
-
 // Bytes that are not UTF-8, which file names may hold, become the replacement character.
 std::string textOf(const nlohmann::json& value) {
     const std::string quoted = value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    return escaped(nlohmann::json::parse(quoted).get<std::string>());
+    return escapedMarkup(nlohmann::json::parse(quoted).get<std::string>());
 }
 
 // What fails, a line each.
@@ -39,6 +24,15 @@ std::vector<std::string> problemsOf(const nlohmann::json& pair) {
     for (const nlohmann::json& finding : pair.at("findings"))
         if (finding.at("fails").get<bool>()) problems.push_back(textOf(finding.at("text")));
     return problems;
+}
+
+// The kind of what fails first.
+std::string typeOf(const nlohmann::json& pair) {
+    if (pair.at("verdict") == verdictName(Verdict::Error)) return verdictName(Verdict::Error);
+    if (pair.contains("problem")) return traitsOf(FindingKind::Files).name;
+    for (const nlohmann::json& finding : pair.at("findings"))
+        if (finding.at("fails").get<bool>()) return finding.at("kind").get<std::string>();
+    return {};
 }
 
 std::string fileOf(const nlohmann::json& picture) {
@@ -52,8 +46,9 @@ std::string testCase(const nlohmann::json& pair) {
     if (verdict == verdictName(Verdict::Pass)) return head + "/>\n";
     const char* const kind = verdict == verdictName(Verdict::Fail) ? "failure" : "error";
     const std::vector<std::string> problems = problemsOf(pair);
-    return fmt::format("{}>\n    <{} message=\"{}\">{}</{}>\n  </testcase>\n", head, kind,
-                       problems.empty() ? "" : problems.front(), fmt::join(problems, "\n"), kind);
+    return fmt::format("{}>\n    <{} type=\"{}\" message=\"{}\">{}</{}>\n  </testcase>\n", head, kind,
+                       typeOf(pair), problems.empty() ? "" : problems.front(), fmt::join(problems, "\n"),
+                       kind);
 }
 
 } // namespace

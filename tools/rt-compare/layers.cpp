@@ -56,6 +56,12 @@ bool isMeant(const Image& image, const ImageChannel& channel, const std::vector<
 
 } // namespace
 
+const ChannelPair* LayerPair::find(const std::string& lastName) const {
+    for (const ChannelPair& channel : channels)
+        if (splitChannelName(channel.a->name).last == lastName) return &channel;
+    return nullptr;
+}
+
 ChannelName splitChannelName(const std::string& name) {
     const std::size_t dot = name.rfind('.');
     if (dot == name.npos) return {"", name};
@@ -129,12 +135,12 @@ std::vector<std::string> unknownNames(const Picture& a, const Picture& b,
     return unknown;
 }
 
-void selectChannels(Image& image, const FocusOptions& options) {
+void selectChannels(Image& image, const ChannelSelection& selection) {
     std::vector<ImageChannel> kept;
     std::vector<bool> isKept;
     for (const ImageChannel& channel : image.channels)
-        isKept.push_back((options.onlyChannels.empty() || isMeant(image, channel, options.onlyChannels)) &&
-                         !isMeant(image, channel, options.withoutChannels));
+        isKept.push_back((selection.only.empty() || isMeant(image, channel, selection.only)) &&
+                         !isMeant(image, channel, selection.without));
     for (std::size_t i = 0; i < isKept.size(); ++i)
         if (isKept[i]) kept.push_back(std::move(image.channels[i]));
     image.channels = std::move(kept);

@@ -1,10 +1,34 @@
 #pragma once
-#include "tools/rt-compare/prepared_pair.h"
+#include "tools/rt-compare/comparison.h"
+
+#include "formats/picture.h"
 
 #include <string>
 #include <vector>
 
 namespace rt {
+
+struct ChannelPair {
+    std::string name; ///< as in ChannelComparison
+    const ImageChannel* a = nullptr;
+    const ImageChannel* b = nullptr; ///< of the same size and kind (numbers or uint) as a
+};
+
+/// The channels of one LayerComparison. Channels of color layers stand in the order R, G, B, A, or Y, A.
+struct LayerPair {
+    std::size_t part = 0; ///< of the pictures
+    std::string name;
+    LayerKind kind = LayerKind::Color;
+    std::vector<ChannelPair> channels;
+
+    /// By the last part of the channel's name: "R" finds "albedo.R"; nullptr if absent.
+    const ChannelPair* find(const std::string& lastName) const;
+};
+
+/// Names of channels or layers.
+struct ChannelSelection {
+    std::vector<std::string> only, without; ///< empty: all, none
+};
 
 /// A channel's name in two: "albedo" and "R" of "albedo.R"; "" and "Z" of "Z".
 struct ChannelName {
@@ -25,7 +49,7 @@ std::vector<std::string> describeChannelDifferences(const Image& a, const Image&
 std::vector<std::string> unknownNames(const Picture& a, const Picture& b,
                                       const std::vector<std::string>& names);
 
-/// Removes the channels that the options leave out; `where` is the name of their layer or their own.
-void selectChannels(Image& image, const FocusOptions& options);
+/// Removes the channels that the selection leaves out; `where` is the name of their layer or their own.
+void selectChannels(Image& image, const ChannelSelection& selection);
 
 } // namespace rt

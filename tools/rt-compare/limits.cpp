@@ -57,10 +57,12 @@ public:
             const std::vector<const Limit*> limits = limitsOf(layer);
             for (const Limit* limit : limits) check(*limit, layer.name, valueOf(*limit, layer));
             const bool hasChannelLimit = checkChannels(layer);
-            if (!limits.empty() || hasChannelLimit || tolerant_) continue;
-            if (layer.kind != LayerKind::Data || !someUnnamed) checkEqual(layer);
+            if (!limits.empty() || hasChannelLimit) continue;
+            const bool isAlike = tolerant_ || (layer.kind == LayerKind::Data && someUnnamed);
+            if (layer.kind == LayerKind::Ids || !isAlike) checkEqual(layer);
         }
         requireKnownNames();
+        requireSuitableNames();
     }
 
 private:
@@ -119,8 +121,8 @@ private:
                                               : "exceeds";
         const std::string found = std::isnan(value) ? "" : fmt::format(" {:.9g}", value);
         comparison_.findings.push_back(
-            {"limit", fmt::format("{}: {}{} {} {:.9g}", where, metricName(limit), found, fault, limit.value),
-             true});
+            {FindingKind::Limit,
+             fmt::format("{}: {}{} {} {:.9g}", where, metricName(limit), found, fault, limit.value)});
     }
 
     void requireKnownNames() {
@@ -135,11 +137,25 @@ private:
                                     [&](const std::string& name) { return isNamed(name, limit.where); }))
                 continue;
             comparison_.findings.push_back(
-                {"limit",
+                {FindingKind::Limit,
                  fmt::format(
                      "no layer or channel is called {}, for which a limit of {} is given; there are: {}",
-                     limit.where, metricName(limit), fmt::join(names, ", ")),
-                 true});
+                     limit.where, metricName(limit), fmt::join(names, ", "))});
+        }
+    }
+
+    // A limit on a layer that has no such figure would hold nothing, and nobody would know.
+    void requireSuitableNames() {
+        for (const Limit& limit : limits_) {
+            if (limit.where.empty() || limit.where == "*") continue;
+            for (const LayerComparison& layer : comparison_.layers) {
+                if (!isNamed(layer.name, limit.where) || suits(limit.metric, layer.kind)) continue;
+                const char* remedy = layer.kind == LayerKind::Ids ? "of uint channels; --max-differing"
+                                                                  : "of layers without colors; --max-rmse";
+                comparison_.findings.push_back(
+                    {FindingKind::Limit, fmt::format("{}: there is no {} {} {}=X holds it", layer.name,
+                                                     metricName(limit), remedy, limit.where)});
+            }
         }
     }
 
@@ -161,10 +177,15 @@ Limit parseLimit(Metric metric, const std::string& text) {
         if (limit.where.empty())
             throw Error(ErrorKind::Usage, fmt::format("{}: '{}' names nothing", option, text));
     }
-    std::ranges::replace(numbers, ':', ',');
-    const std::vector<double> values = parseNumbers(numbers, traits.hasParameter ? 2 : 1, option);
-    limit.value = values.back();
-    if (traits.hasParameter) limit.parameter = values.front();
+    if (traits.hasParameter) {
+        const std::size_t colon = numbers.find(':');
+        if (colon == numbers.npos)
+            throw Error(ErrorKind::Usage,
+                        fmt::format("{}: '{}' is not two numbers with a colon between them", option, text));
+        limit.parameter = parseNumbers(numbers.substr(0, colon), 1, option).front();
+        numbers.erase(0, colon + 1);
+    }
+    limit.value = parseNumbers(numbers, 1, option).front();
     const double highest = traits.isFraction ? 1.0 : std::numeric_limits<double>::max();
     if (metric != Metric::Psnr && (limit.value < 0.0 || limit.value > highest))
         throw Error(ErrorKind::Usage, fmt::format("{}: {} is not a finite number >= 0{}", option, limit.value,

@@ -9,9 +9,7 @@ int compareAll(const Options& options) {
     const std::vector<FilePair> pairs =
         options.listPath.empty() ? findPairs(options.pathA, options.pathB) : readPairList(options.listPath);
     ReportFiles reports(options, pairs);
-    const int exitCode =
-        comparePairs(pairs, options,
-                     [&](const PairResult& result, const PreparedPair* pair) { reports.add(result, pair); });
+    const int exitCode = comparePairs(pairs, options, [&](const PairResult& result) { reports.add(result); });
     reports.finish();
     return exitCode;
 }

@@ -147,7 +147,7 @@ void limitPercentiles(ErrorFigures& figures) {
 
 class LayerMeasurement {
 public:
-    LayerMeasurement(const LayerPair& layer, const Focus& focus, const MetricOptions& options)
+    LayerMeasurement(const LayerPair& layer, const ComparedRegion& focus, const MetricOptions& options)
         : layer_(layer), focus_(focus), options_(options), pixelCount_(focus.box.pixelCount()),
           blocks_((pixelCount_ + kBlock - 1) / kBlock) {}
 
@@ -242,14 +242,15 @@ private:
     }
 
     const LayerPair& layer_;
-    const Focus& focus_;
+    const ComparedRegion& focus_;
     const MetricOptions& options_;
     std::size_t pixelCount_;
     std::vector<BlockResult> blocks_;
     tbb::enumerable_thread_specific<std::vector<ErrorCounts>> counts_;
 };
 
-LayerComparison measureIds(const LayerPair& layer, const Focus& focus, const MetricOptions& options) {
+LayerComparison measureIds(const LayerPair& layer, const ComparedRegion& focus,
+                           const MetricOptions& options) {
     LayerComparison result;
     const ChannelPair& channel = layer.channels.front();
     std::uint64_t differing = 0;
@@ -270,7 +271,8 @@ LayerComparison measureIds(const LayerPair& layer, const Focus& focus, const Met
 
 } // namespace
 
-LayerComparison measureLayer(const LayerPair& layer, const Focus& focus, const MetricOptions& options) {
+LayerComparison measureLayer(const LayerPair& layer, const ComparedRegion& focus,
+                             const MetricOptions& options) {
     LayerComparison result = layer.kind == LayerKind::Ids ? measureIds(layer, focus, options)
                                                           : LayerMeasurement(layer, focus, options).run();
     result.part = layer.part;

@@ -16,6 +16,7 @@ struct MetricOptions {
 /// All figures of a layer but SSIM and FLIP, in double precision. Same input, same bits, on any number of
 /// threads. Sources: relative MSE, Rousselle et al. 2011; SMAPE as in Vogels et al. 2018; percentiles are
 /// those of the nearest rank: the least |a - b| that so many per cent of the values do not exceed.
-LayerComparison measureLayer(const LayerPair& layer, const Focus& focus, const MetricOptions& options);
+LayerComparison measureLayer(const LayerPair& layer, const ComparedRegion& focus,
+                             const MetricOptions& options);
 
 } // namespace rt

@@ -5,9 +5,7 @@ namespace rt {
 
 struct NoiseOptions {
     bool on = false;
-    const Picture* second = nullptr; ///< what the reference shows, rendered with another seed
-    double level = 1e-3;             ///< probability of a false alarm
-    bool isOn() const { return on || second; }
+    double level = 1e-3; ///< probability of a false alarm
 };
 
 /// Whether two renders with different seeds differ by more than their noise. Two tests, each at half the
@@ -34,6 +32,6 @@ struct NoiseOptions {
 /// Channels that differ but have too few squares for the second test to tell anything do not pass.
 /// Differences below 2^-16 of the values are rounding and count as none.
 /// Throws Error{InvalidContent} if the second render does not fit.
-NoiseTest testNoise(const PreparedPair& pair, const NoiseOptions& options);
+NoiseTest testNoise(const PreparedPair& pair, const NoiseOptions& options, const Picture* second);
 
 } // namespace rt

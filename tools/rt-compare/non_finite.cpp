@@ -65,7 +65,7 @@ std::uint64_t comparePlaces(const PreparedPair& pair, Comparison& comparison) {
                 const bool isSame = a == b || (std::isnan(a) && std::isnan(b));
                 comparison.nonFiniteDiffering += isSame ? 0u : 1u;
                 if (comparison.nonFinitePlaces.size() >= kMaxPlaces) continue;
-                const auto [x, y] = positionOf(pair.focus[layer.part].box, i);
+                const auto [x, y] = positionOf(pair.regions[layer.part].box, i);
                 comparison.nonFinitePlaces.push_back({channel.name, x, y, a, b});
             }
         }
@@ -92,11 +92,12 @@ void findNonFinite(const PreparedPair& pair, bool allowSame, Comparison& compari
     const bool fails = !allowSame || comparison.nonFiniteDiffering > 0;
     for (const auto& [counts, which] :
          {std::pair(&comparison.nonFiniteA, "first"), {&comparison.nonFiniteB, "second"}})
-        if (counts->first) comparison.findings.push_back({"non-finite", describe(*counts, which), fails});
+        if (counts->first)
+            comparison.findings.push_back({FindingKind::NonFinite, describe(*counts, which), fails});
     if (allowSame && fails)
         comparison.findings.push_back(
-            {"non-finite",
-             fmt::format("{} of them are not the same in both images", comparison.nonFiniteDiffering), true});
+            {FindingKind::NonFinite,
+             fmt::format("{} of them are not the same in both images", comparison.nonFiniteDiffering)});
 }
 
 } // namespace rt

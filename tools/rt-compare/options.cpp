@@ -39,10 +39,15 @@ void addLimits(CLI::App& app, OptionTexts& texts, Options& options) {
 
 void addVerdict(CLI::App& app, OptionTexts& texts, Options& options) {
     const std::string group = "Verdict";
-    const Texts allowable(kAllowable.begin(), kAllowable.end());
+    Texts names, helps;
+    for (const FindingTraits& traits : kFindings) {
+        if (!traits.isAllowable) continue;
+        names.push_back(traits.name);
+        helps.push_back(fmt::format("{} ({})", traits.name, traits.help));
+    }
     namesOption(app, "--allow", texts.allowed,
-                fmt::format("Differences that do not fail: {}", fmt::join(allowable, ", ")), group)
-        ->check(CLI::IsMember(allowable).description(""));
+                fmt::format("Differences that do not fail: {}", fmt::join(helps, ", ")), group)
+        ->check(CLI::IsMember(names).description(""));
     app.add_option("--allow-nonfinite", texts.nonFinite,
                    "same: NaN and infinities pass where both images have the same")
         ->check(CLI::IsMember({"same"}).description(""))
@@ -65,7 +70,7 @@ void addVerdict(CLI::App& app, OptionTexts& texts, Options& options) {
         ->group(group);
 }
 
-void addFocus(CLI::App& app, OptionTexts& texts, Options& options) {
+void addSelection(CLI::App& app, OptionTexts& texts, Options& options) {
     const std::string group = "What is compared";
     app.add_option("--crop", texts.crop, "Only the pixels from x0,y0 up to but without x1,y1")
         ->type_name("x0,y0,x1,y1")
@@ -77,9 +82,9 @@ void addFocus(CLI::App& app, OptionTexts& texts, Options& options) {
     app.add_option("--mask", options.maskPath, "Not the pixels that are 0 in this image")
         ->type_name("FILE")
         ->group(group);
-    FocusOptions& focus = options.compare.focus;
-    namesOption(app, "--channels", focus.onlyChannels, "Only these channels or layers", group);
-    namesOption(app, "--ignore-channels", focus.withoutChannels, "Not these channels or layers", group);
+    ChannelSelection& channels = options.compare.channels;
+    namesOption(app, "--channels", channels.only, "Only these channels or layers", group);
+    namesOption(app, "--ignore-channels", channels.without, "Not these channels or layers", group);
 }
 
 void addFigures(CLI::App& app, OptionTexts& texts, Options& options) {
@@ -101,9 +106,10 @@ void addFigures(CLI::App& app, OptionTexts& texts, Options& options) {
         ->check(numberBetween(0, 64))
         ->type_name("N")
         ->group(group);
-    app.add_flag(
-           "--self-test", options.selfTest,
-           "Inject faults into A and show for each that it is caught, or is below the limits as it should be")
+    app.add_flag("--self-test", options.selfTest,
+                 "Inject faults into each layer of A and show that they are caught, or are below the limits "
+                 "as they "
+                 "should be; not with --noise")
         ->group(group);
 }
 
@@ -173,12 +179,15 @@ void readTexts(const OptionTexts& texts, Options& options) {
         for (const double threshold : parseList(texts.thresholds, "--thresholds", 1e30))
             insertSorted(metrics.thresholds, threshold);
     readLimits(texts, options.compare);
-    options.compare.allowed.insert(texts.allowed.begin(), texts.allowed.end());
+    for (const FindingTraits& traits : kFindings)
+        if (std::ranges::find(texts.allowed, traits.name) != texts.allowed.end())
+            options.compare.allowed.insert(traits.kind);
+    if (!options.secondPath.empty()) options.compare.noise.on = true;
     options.compare.allowSameNonFinite = !texts.nonFinite.empty();
     options.reading.allCompressions = !texts.compression.empty();
-    if (!texts.crop.empty()) options.compare.focus.crop = parseBox(texts.crop, "--crop");
+    if (!texts.crop.empty()) options.compare.region.crop = parseBox(texts.crop, "--crop");
     for (const std::string& text : texts.ignored)
-        options.compare.focus.ignored.push_back(parseBox(text, "--ignore"));
+        options.compare.region.ignored.push_back(parseBox(text, "--ignore"));
 }
 
 void requireInputs(const Options& options) {
@@ -221,7 +230,7 @@ bool parseOptions(int argc, const char* const* argv, Options& options) {
     app.add_option("b", options.pathB, "Reference")->type_name("B");
     addLimits(app, texts, options);
     addVerdict(app, texts, options);
-    addFocus(app, texts, options);
+    addSelection(app, texts, options);
     addFigures(app, texts, options);
     addReportOptions(app, texts.reports, options.reports, options.compare.perception);
     addReading(app, texts, options);

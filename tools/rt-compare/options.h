@@ -12,7 +12,7 @@ struct Options {
     std::string pathA, pathB, listPath;
     std::string maskPath, secondPath; ///< empty: none
     bool selfTest = false;
-    CompareOptions compare; ///< its mask and second render are not read yet
+    CompareOptions compare;
     PictureLimits reading{.allCompressionsOption = "--allow-compression all"};
     ReportOptions reports;
 };

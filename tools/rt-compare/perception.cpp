@@ -30,7 +30,7 @@ std::optional<LayerColors> colorsOf(const PreparedPair& pair, const LayerPair& l
     const bool isColored = channels[0] || channels[1] || channels[2];
     if (!isColored) std::ranges::fill(channels, layer.find("Y"));
     if (!isColored && !channels[0]) return std::nullopt;
-    const PixelBox& box = pair.focus[layer.part].box;
+    const PixelBox& box = pair.regions[layer.part].box;
     colors.distinct = isColored ? 3 : 1;
     for (ColorPlanes* const planes : {&colors.a, &colors.b}) {
         planes->width = box.width();
@@ -151,7 +151,7 @@ std::vector<PerceptionMaps> addPerception(const PreparedPair& pair, const Percep
             continue;
         const std::optional<LayerColors> colors = colorsOf(pair, pair.layers[i]);
         if (!colors || colors->a.pixelCount() == 0) continue;
-        const std::vector<std::uint8_t>& ignored = pair.focus[layer.part].ignored;
+        const std::vector<std::uint8_t>& ignored = pair.regions[layer.part].ignored;
         if (options.flip) maps[i].flip = addFlip(*colors, ignored, options, layer);
         if (options.ssim || options.msSsim || options.ssimMap)
             maps[i].ssim = addSimilarity(*colors, ignored, options, layer);

@@ -20,13 +20,12 @@ bool showsColors() {
     return isatty(STDOUT_FILENO) && !(noColor && *noColor);
 }
 
-void writeMaps(const ReportOptions& reports, const PreparedPair& pair,
-               const std::vector<PerceptionMaps>& maps) {
-    if (pair.layers.empty()) {
+void writeMaps(const ReportOptions& reports, const PairResult& result) {
+    if (result.pair->layers.empty()) {
         logWarning(reports.heatPaths.front() + ": not written, the images have no pixels in common");
         return;
     }
-    const Image map = heatMap(pair, maps, reports.heat);
+    const Image map = heatMap(*result.pair, result.maps, reports.heat);
     std::vector<std::vector<std::byte>> files; // all encoded before the first is written
     for (const std::string& path : reports.heatPaths) files.push_back(encodeImage(path, map));
     for (std::size_t i = 0; i < files.size(); ++i) writeFile(reports.heatPaths[i], files[i]);
@@ -41,8 +40,7 @@ ReportFiles::ReportFiles(const Options& options, const std::vector<FilePair>& pa
     std::vector<std::string> inputs, outputs = options.reports.outputs();
     outputs.push_back(options.common.jsonPath);
     for (const FilePair& pair : pairs) {
-        inputs.push_back(pair.a);
-        inputs.push_back(pair.b);
+        inputs.insert(inputs.end(), {pair.a, pair.b, secondPathFor(pair, options)});
     }
     requireDistinctPaths(inputs, outputs);
     if (pairs.size() > 1 && options.reports.showsPixels())
@@ -51,18 +49,17 @@ ReportFiles::ReportFiles(const Options& options, const std::vector<FilePair>& pa
 
 ReportFiles::~ReportFiles() = default;
 
-void ReportFiles::add(const PairResult& result, const PreparedPair* pair) {
+void ReportFiles::add(const PairResult& result) {
     const ReportOptions& reports = options_.reports;
     totals_.add(result.verdict());
-    if (printsText_) writeFile("-", textReport(result, pair, showsColors()));
+    if (printsText_) writeFile("-", textReport(result, showsColors()));
     if (options_.common.jsonPath.empty() && reports.junitPath.empty() && reports.htmlPath.empty() &&
         reports.heatPaths.empty())
         return;
-    pairs_->push_back(jsonReport(result, pair));
-    if (!pair) return;
-    if (!reports.htmlPath.empty())
-        writeFile(reports.htmlPath, htmlReport(pairs_->back(), *pair, result.maps));
-    if (!reports.heatPaths.empty()) writeMaps(reports, *pair, result.maps);
+    pairs_->push_back(jsonReport(result));
+    if (!result.pair) return;
+    if (!reports.htmlPath.empty()) writeFile(reports.htmlPath, htmlReport(pairs_->back(), result));
+    if (!reports.heatPaths.empty()) writeMaps(reports, result);
 }
 
 void ReportFiles::finish() {

@@ -16,7 +16,7 @@ public:
     ~ReportFiles();
 
     /// Prints the pair, and writes its error map and page.
-    void add(const PairResult& result, const PreparedPair* pair);
+    void add(const PairResult& result);
     /// Prints the summary and writes what is one file for all pairs.
     void finish();
 

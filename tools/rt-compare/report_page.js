@@ -353,7 +353,7 @@ function drawTexts() {
 
 // ---- input
 
-function connect() {
+function connectControls() {
   const views = byId("views");
   for (const [value, text] of kViews) {
     const option = element("label"), input = element("input", undefined, { type: "radio", name: "view", value });
@@ -366,10 +366,13 @@ function connect() {
   byId("exposure").oninput = event => expose(Number(event.target.value));
   byId("fit").onclick = fit;
   byId("actual").onclick = () => { state.zoom = 1 / (window.devicePixelRatio || 1); place(data.width / 2, data.height / 2); };
-  const position = event => {
-    const box = canvas.getBoundingClientRect();
-    return [event.clientX - box.left - canvas.clientLeft, event.clientY - box.top - canvas.clientTop];
-  };
+}
+// Of the pointer in the canvas.
+function position(event) {
+  const box = canvas.getBoundingClientRect();
+  return [event.clientX - box.left - canvas.clientLeft, event.clientY - box.top - canvas.clientTop];
+}
+function connectDragging() {
   let held = null;
   canvas.onpointerdown = event => {
     const [x, y] = position(event), isDivider = state.view === "split" && Math.abs(x - state.divider * canvas.clientWidth) < 12;
@@ -386,11 +389,15 @@ function connect() {
     draw();
   };
   canvas.onpointerup = canvas.onpointercancel = () => { held = null; };
+}
+function connectZooming() {
   canvas.addEventListener("wheel", event => {
     event.preventDefault();
     const [x, y] = position(event);
     zoomAt(state.view === "side" && x > paneWidth() ? x - paneWidth() : x, y, state.zoom * 2 ** (-event.deltaY / 300));
   }, { passive: false });
+}
+function connectKeys() {
   canvas.onkeydown = event => {
     const steps = { ArrowLeft: [40, 0], ArrowRight: [-40, 0], ArrowUp: [0, 40], ArrowDown: [0, -40] }[event.key];
     if (steps) { state.x += steps[0]; state.y += steps[1]; draw(); }
@@ -398,6 +405,8 @@ function connect() {
     else return;
     event.preventDefault();
   };
+}
+function startBlinking() {
   let changed = 0;
   setInterval(() => {
     const now = performance.now();
@@ -406,6 +415,9 @@ function connect() {
     state.isB = !state.isB;
     draw();
   }, 50);
+}
+function connect() {
+  for (const part of [connectControls, connectDragging, connectZooming, connectKeys, startBlinking]) part();
   new ResizeObserver(draw).observe(canvas);
 }
 // "#view=flip&layer=albedo&stops=2&x=10&y=20" in the address: what to show at first.

@@ -1,5 +1,7 @@
 #include "tools/rt-compare/text_report.h"
 
+#include "tools/rt-compare/limits.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -36,11 +38,11 @@ std::string describePicture(const char* which, const Picture& picture, const Non
                               counts.pixels, counts.nan, counts.positiveInf, counts.negativeInf);
 }
 
-std::string describeFocus(const Comparison& comparison, const PreparedPair& pair) {
+std::string describeRegions(const Comparison& comparison, const PreparedPair& pair) {
     const char* units =
         comparison.scale == ValueScale::Linear ? "linear light" : "display values from 0 to 1";
     std::string text = fmt::format("compared: {}", units);
-    if (pair.focus.size() == 1)
+    if (pair.regions.size() == 1)
         text += fmt::format(", pixels {},{} up to {},{}", comparison.box.x0, comparison.box.y0,
                             comparison.box.x1, comparison.box.y1);
     if (comparison.ignored > 0) text += fmt::format(", without {} ignored pixels", comparison.ignored);
@@ -136,30 +138,35 @@ std::string verdictLine(Verdict verdict, bool colored) {
                    verdict == Verdict::Pass ? "1;32" : "1;31", colored);
 }
 
+// Of a pair that was not compared.
+std::string describeProblem(const PairResult& result, bool colored) {
+    if (result.verdict() != Verdict::Pass)
+        return painted("fails: " + printable(result.problem), "31", colored);
+    return fmt::format("allowed: {}: {}\n", traitsOf(FindingKind::Files).name, printable(result.problem));
+}
+
 std::string describeFindings(const Comparison& comparison, bool colored) {
     std::string text;
     for (const Finding& finding : comparison.findings)
-        if (!finding.fails) text += fmt::format("allowed: {}: {}\n", finding.kind, printable(finding.text));
+        if (!finding.fails)
+            text += fmt::format("allowed: {}: {}\n", traitsOf(finding.kind).name, printable(finding.text));
     for (const std::string& note : comparison.notes) text += fmt::format("note: {}\n", printable(note));
     for (const Finding& finding : comparison.findings)
         if (finding.fails)
             text +=
-                painted(fmt::format("fails: {}: {}", finding.kind, printable(finding.text)), "31", colored);
+                painted(fmt::format("fails: {}: {}", traitsOf(finding.kind).name, printable(finding.text)),
+                        "31", colored);
     return text;
 }
 
 } // namespace
 
-std::string textReport(const PairResult& result, const PreparedPair* pair, bool colored) {
-    if (!result.comparison)
-        return painted(fmt::format("{}: {}", result.verdict() == Verdict::Pass ? "allowed: files" : "fails",
-                                   printable(result.problem)),
-                       "31", colored && result.verdict() != Verdict::Pass) +
-               verdictLine(result.verdict(), colored);
-    const Comparison& comparison = *result.comparison;
-    std::string text = describePicture("a", pair->a, comparison.nonFiniteA) +
-                       describePicture("b", pair->b, comparison.nonFiniteB);
-    if (!comparison.layers.empty()) text += describeFocus(comparison, *pair);
+std::string textReport(const PairResult& result, bool colored) {
+    if (!result.pair) return describeProblem(result, colored) + verdictLine(result.verdict(), colored);
+    const Comparison& comparison = result.comparison;
+    std::string text = describePicture("a", result.pair->a, comparison.nonFiniteA) +
+                       describePicture("b", result.pair->b, comparison.nonFiniteB);
+    if (!comparison.layers.empty()) text += describeRegions(comparison, *result.pair);
     for (const LayerComparison& layer : comparison.layers) text += describeLayer(layer);
     for (const NonFinitePlace& place : comparison.nonFinitePlaces)
         text += fmt::format("not finite: {} at x {}, y {}: a {}, b {}\n", printable(place.channel), place.x,

@@ -1,13 +1,13 @@
 #pragma once
-#include "tools/rt-compare/compare_files.h"
+#include "tools/rt-compare/pair_result.h"
 
 #include <string>
 
 namespace rt {
 
-/// What was found about one pair, for people, with units. `pair` as PairSink has it. `colored`: with a
+/// What was found about one pair, for people, with units. `colored`: with a
 /// terminal's colors for what passes and what fails.
-std::string textReport(const PairResult& result, const PreparedPair* pair, bool colored);
+std::string textReport(const PairResult& result, bool colored);
 
 /// The last line for several pairs.
 std::string textSummary(const Totals& totals);

@@ -1,7 +1,8 @@
 #include "tools/rt-trace/tone_map.h"
 
+#include "formats/image.h"
+
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
 namespace rt {
 namespace {
@@ -21,7 +22,7 @@ glm::dvec3 aces(const glm::dvec3& x) {
 } // namespace
 
 double luminanceOf(const glm::dvec3& linear) {
-    return glm::dot(linear, glm::dvec3(0.2126, 0.7152, 0.0722));
+    return luminanceOf(linear.r, linear.g, linear.b);
 }
 
 glm::dvec3 toneMapped(ToneMap map, const glm::dvec3& linear) {

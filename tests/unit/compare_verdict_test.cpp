@@ -1,0 +1,197 @@
+#include "tests/support/compared_renders.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace rt::test {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+TEST(ComparePictures, EqualPicturesPass) {
+    EXPECT_THAT(failuresOf(picture(), picture()), IsEmpty());
+    EXPECT_TRUE(compare(picture(), picture()).notes.empty());
+}
+
+TEST(ComparePictures, NonFiniteValuesMayBeAllowedWhereTheyAreTheSame) {
+    CompareOptions options;
+    options.allowSameNonFinite = true;
+    for (const float value : {kNan, kInf, -kInf}) {
+        EXPECT_THAT(failuresOf(withValue(1, 3, value), withValue(1, 3, value), options), IsEmpty());
+        EXPECT_THAT(failuresOf(withValue(1, 3, value), withValue(1, 3, value)),
+                    Contains(HasSubstr("non-finite")));
+        EXPECT_THAT(failuresOf(withValue(1, 3, value), withValue(1, 4, value), options),
+                    Contains(HasSubstr("non-finite")));
+        EXPECT_THAT(failuresOf(withValue(1, 3, value), withValue(0, 3, value), options),
+                    Contains(HasSubstr("non-finite")));
+        EXPECT_THAT(failuresOf(withValue(1, 3, value), picture(), options),
+                    Contains(HasSubstr("non-finite")));
+    }
+}
+
+TEST(ComparePictures, NonFiniteValuesAreCountedByKindAndPlace) {
+    Image a = render();
+    a.channels[1].values[0] = kNan;
+    a.channels[1].values[1] = a.channels[1].values[2] = kInf;
+    a.channels[3].values[1] = kNan;
+    a.channels[3].values[2] = -kInf;
+    const Comparison c = compare(pictureOf(a), picture(), loose());
+    EXPECT_EQ(c.nonFiniteA.nan, 2u);
+    EXPECT_EQ(c.nonFiniteA.positiveInf, 2u);
+    EXPECT_EQ(c.nonFiniteA.negativeInf, 1u);
+    EXPECT_EQ(c.nonFiniteA.pixels, 3u);
+    EXPECT_EQ(c.nonFiniteA.first->channel, "G");
+    EXPECT_EQ(c.nonFiniteB.total(), 0u);
+    EXPECT_EQ(c.nonFiniteDiffering, 5u);
+    ASSERT_EQ(c.nonFinitePlaces.size(), 5u);
+    EXPECT_EQ(c.nonFinitePlaces[4].channel, "Z");
+    EXPECT_EQ(c.nonFinitePlaces[4].x, 2);
+    EXPECT_EQ(c.nonFinitePlaces[4].a, -double(kInf));
+    EXPECT_EQ(colorOf(c)->figures.compared, 597u);
+    EXPECT_EQ(colorOf(c)->figures.values, 600u);
+}
+
+TEST(ComparePictures, LimitsHoldInclusively) {
+    const Picture other = withValue(2, 7, 3.0f);
+    const double rmse = colorOf(compare(picture(), other))->figures.rmse;
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0.0, rmse}};
+    EXPECT_THAT(failuresOf(picture(), other, options), IsEmpty());
+    options.limits[0].value = std::nextafter(rmse, 0.0);
+    EXPECT_THAT(failuresOf(picture(), other, options), ElementsAre(HasSubstr("limit: color: RMSE")));
+}
+
+TEST(ComparePictures, EveryFigureMayHaveALimit) {
+    const Picture other = withValue(2, 7, 3.0f);
+    const ErrorFigures f = colorOf(compare(picture(), other))->figures;
+    const Limit limits[] = {{Metric::MaxAbs, "", 0, f.maxAbs},    {Metric::Mae, "", 0, f.mae},
+                            {Metric::Mse, "", 0, f.mse},          {Metric::RelMse, "", 0, f.relMse},
+                            {Metric::Smape, "", 0, f.smape},      {Metric::Percentile, "", 99.9, f.maxAbs},
+                            {Metric::Over, "", 0.1, 1.0 / 200.0}, {Metric::Differing, "", 0, 1.0 / 200.0}};
+    for (Limit limit : limits) {
+        CompareOptions options;
+        options.limits = {limit};
+        EXPECT_THAT(failuresOf(picture(), other, options), IsEmpty()) << metricName(limit);
+        options.limits[0].value *= 0.999;
+        EXPECT_THAT(failuresOf(picture(), other, options), ElementsAre(HasSubstr(metricName(limit))))
+            << metricName(limit);
+    }
+    CompareOptions options;
+    options.limits = {{Metric::Psnr, "", 0, f.psnr}};
+    EXPECT_THAT(failuresOf(picture(), other, options), IsEmpty());
+    options.limits[0].value += 0.001;
+    EXPECT_THAT(failuresOf(picture(), other, options), ElementsAre(HasSubstr("is below")));
+}
+
+TEST(ComparePictures, TheMostPreciseNameOfALimitCounts) {
+    Image image = render();
+    image.channels[3].values[0] += 1.0f; // Z
+    image.channels[0].values[0] += 1.0f; // B
+    const Picture other = pictureOf(image);
+    const auto run = [&](std::vector<Limit> limits) {
+        CompareOptions options;
+        options.limits = std::move(limits);
+        return failuresOf(picture(), other, options);
+    };
+    EXPECT_THAT(run({{Metric::Rmse, "Z", 0, 1}}),
+                ElementsAre(HasSubstr("color: RMSE")));      // colors must be equal
+    EXPECT_THAT(run({{Metric::Rmse, "", 0, 1}}), IsEmpty()); // Z is free
+    EXPECT_THAT(run({{Metric::Rmse, "*", 0, 1}}), IsEmpty());
+    EXPECT_THAT(run({{Metric::Rmse, "*", 0, 0}, {Metric::Rmse, "color", 0, 1}}),
+                ElementsAre(HasSubstr("Z: RMSE")));
+    EXPECT_THAT(run({{Metric::Rmse, "Z", 0, 0}, {Metric::Rmse, "*", 0, 1}}),
+                ElementsAre(HasSubstr("Z: RMSE")));
+    EXPECT_THAT(run({{Metric::Rmse, "", 0, 1}, {Metric::MaxAbs, "B", 0, 0.5}}),
+                ElementsAre(HasSubstr("B: maximum |a-b|")));
+    EXPECT_THAT(run({{Metric::Rmse, "", 0, 1}, {Metric::Rmse, "depth", 0, 1}}),
+                ElementsAre(HasSubstr("no layer or channel is called depth")));
+}
+
+TEST(ComparePictures, LayersThatDifferWithoutALimitAreNoted) {
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}};
+    const Comparison c = compare(picture(), withValue(3, 0, 0.0f), options);
+    EXPECT_TRUE(c.passed());
+    EXPECT_THAT(c.notes, ElementsAre(HasSubstr("no limit holds Z, which differ")));
+}
+
+TEST(ComparePictures, IdsMustBeEqualUnlessALimitNamesThem) {
+    const auto withIds = [](std::uint32_t id) {
+        return pictureOf(imageOf(1, 1, {floats("Y", {1}), uints("id", {id})}));
+    };
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}};
+    EXPECT_THAT(failuresOf(withIds(7), withIds(8), options),
+                ElementsAre(HasSubstr("id: fraction of pixels that differ 1 exceeds 0")));
+    EXPECT_THAT(failuresOf(withIds(7), withIds(7), options), IsEmpty());
+    options.limits.push_back({Metric::Differing, "id", 0, 1});
+    EXPECT_THAT(failuresOf(withIds(7), withIds(8), options), IsEmpty());
+}
+
+TEST(ComparePictures, LayersWhoseChannelsAreCalledOtherwiseMustNotBeBlackEither) {
+    const auto withBeauty = [](float value) {
+        return pictureOf(imageOf(
+            1, 1, {floats("B", {1}), floats("G", {1}), floats("R", {1}), floats("beauty.r", {value})}));
+    };
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}};
+    EXPECT_THAT(failuresOf(withBeauty(0), withBeauty(1), options),
+                ElementsAre(HasSubstr("the first image is 0 everywhere, the second is not")));
+    EXPECT_THAT(failuresOf(withBeauty(2), withBeauty(1), options), IsEmpty());
+}
+
+TEST(ComparePictures, NamesOfChannelsThatNoPictureHasAreNotTakenInSilence) {
+    CompareOptions options;
+    options.channels.only = {"color", "difuse"};
+    EXPECT_THAT(failuresOf(picture(), picture(), options),
+                ElementsAre(HasSubstr("no channel or layer is called difuse, which --channels names")));
+    options.channels.only = {"color"};
+    options.channels.without = {"X"};
+    const Comparison c = compare(picture(), picture(), options);
+    EXPECT_TRUE(c.passed());
+    EXPECT_THAT(c.notes, Contains(HasSubstr("called X, which --ignore-channels names")));
+}
+
+TEST(ComparePictures, ALimitOnAFigureThatALayerDoesNotHaveFails) {
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}, {Metric::Flip, "Z", 0, 1}};
+    EXPECT_THAT(failuresOf(picture(), picture(), options),
+                ElementsAre("limit: Z: there is no FLIP of layers without colors; --max-rmse Z=X holds it"));
+    options.limits = {{Metric::Rmse, "id", 0, 1}};
+    EXPECT_THAT(failuresOf(picture(), picture(), options),
+                ElementsAre("limit: id: there is no RMSE of uint channels; --max-differing id=X holds it"));
+}
+
+TEST(ComparePictures, LimitsOfColorsLetNoDepthPassWhereThereAreNoColors) {
+    const auto withDepth = [](float z) {
+        return pictureOf(imageOf(1, 1, {floats("Z", {z}), uints("id", {1})}));
+    };
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1}};
+    EXPECT_THAT(failuresOf(withDepth(1), withDepth(2), options),
+                ElementsAre(HasSubstr("nothing: no limit holds Z")));
+}
+
+TEST(ComparePictures, ALimitThatHoldsNothingIsNoPass) {
+    const Picture depth = pictureOf(imageOf(1, 1, {floats("Z", {1})}));
+    EXPECT_THAT(failuresOf(depth, depth), IsEmpty()); // equal
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "", 0, 1e30}}; // of colors
+    EXPECT_THAT(failuresOf(depth, depth, options),
+                ElementsAre(HasSubstr("nothing: no limit holds Z, for there are no colors")));
+    const Picture other = pictureOf(imageOf(1, 1, {floats("Y", {1})}));
+    EXPECT_THAT(failuresOf(depth, other, allowing(FindingKind::Channels)),
+                ElementsAre(HasSubstr("no channel in common")));
+}
+
+} // namespace
+} // namespace rt::test
