@@ -14,7 +14,8 @@ struct Picture {
     FilmPixels pixels;
     TileSamples tiles;
     LoopFigures figures;
-    double earlierMs = 0.0; ///< gpuMs of the runs that it was resumed from
+    double earlierMs = 0.0;            ///< gpuMs of the runs that it was resumed from
+    std::vector<double> passesMs = {}; ///< of --repeat; sorted, their median is gpuMs
     std::optional<WorkTotals> work = {};
     StageTimes stageTimes = {}; ///< of the pass that counted `work`
     double heatMost = 0.0;      ///< what --heat shows in yellow

@@ -28,6 +28,13 @@ void checkFrames(const TraceOptions& options) {
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
 }
 
+// Whatever ends a picture elsewhere than at its last sample makes passes that cannot be compared.
+void checkRepeat(const TraceOptions& options) {
+    if (options.repeat > 0 &&
+        (options.timeLimitSeconds > 0.0 || !options.checkpointPath.empty() || !options.resumePath.empty()))
+        throwUsage("--repeat does not go with --time-limit, --checkpoint and --resume");
+}
+
 // The place of the number is no name of a file where there are no frames.
 void checkNames(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths) {
@@ -59,6 +66,7 @@ void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOp
     convertSamples(texts.samples, options);
     convertOutput(texts.output, options);
     checkFrames(options);
+    checkRepeat(options);
     checkNames(options);
     requireEffect(app, options);
 }
