@@ -3,8 +3,8 @@
 #include "tools/rt-trace/checkpoint.h"
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/render_image.h"
-#include "tools/rt-trace/repeat.h"
 #include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/warm_up.h"
 
 #include <fmt/format.h>
 

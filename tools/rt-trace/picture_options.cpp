@@ -28,13 +28,6 @@ void checkFrames(const TraceOptions& options) {
         throwUsage("--checkpoint and --resume are for single pictures; they do not go with --frames");
 }
 
-// Whatever ends a picture elsewhere than at its last sample makes passes that cannot be compared.
-void checkRepeat(const TraceOptions& options) {
-    if (options.repeat > 0 &&
-        (options.timeLimitSeconds > 0.0 || !options.checkpointPath.empty() || !options.resumePath.empty()))
-        throwUsage("--repeat does not go with --time-limit, --checkpoint and --resume");
-}
-
 // The place of the number is no name of a file where there are no frames.
 void checkNames(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths) {
@@ -45,6 +38,13 @@ void checkNames(const TraceOptions& options) {
         if (!options.frames && numbered)
             throwUsage(fmt::format("-o {}: %d stands for the number of a frame; add --frames", path));
     }
+}
+
+// Whatever ends a picture elsewhere than at its last sample makes passes that cannot be compared.
+void checkRepeat(const TraceOptions& options) {
+    if (options.repeat > 0 &&
+        (options.timeLimitSeconds > 0.0 || !options.checkpointPath.empty() || !options.resumePath.empty()))
+        throwUsage("--repeat does not go with --time-limit, --checkpoint and --resume");
 }
 
 } // namespace
@@ -66,8 +66,8 @@ void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOp
     convertSamples(texts.samples, options);
     convertOutput(texts.output, options);
     checkFrames(options);
-    checkRepeat(options);
     checkNames(options);
+    checkRepeat(options);
     requireEffect(app, options);
 }
 

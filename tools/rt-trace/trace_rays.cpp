@@ -6,9 +6,9 @@
 #include "tools/rt-trace/load_scene.h"
 #include "tools/rt-trace/ray_order.h"
 #include "tools/rt-trace/ray_query.h"
-#include "tools/rt-trace/repeat.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/warm_up.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

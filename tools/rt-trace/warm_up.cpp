@@ -1,4 +1,4 @@
-#include "tools/rt-trace/repeat.h"
+#include "tools/rt-trace/warm_up.h"
 
 #include "common/stage_timer.h"
 
