@@ -73,7 +73,7 @@ class ErrorBenchmark(bench.SceneRunner):
                     row = dict.fromkeys(ERROR_COLUMNS, "") | case
                     row |= {"intersect": intersect, "precision": precision, "set": name}
                     self.trace_or_skip(row, lambda row: self.trace_set(
-                        row, folder, f"{prefix}-{row['intersect']}-{row['precision']}-{row['set']}"))  # fmt: skip
+                        row, folder, f"{prefix}-{row['intersect']}-{row['precision']}-{row['set']}"), name)  # fmt: skip
 
     def trace_set(self, row, folder, prefix):
         """Traces one set of rays, measures its errors and adds its row."""

@@ -92,7 +92,8 @@ def script(heading, panels, terminal, path):
     scenes = unique(scene for panel in panels for scene, _ in panel.values)
     series = unique(name for panel in panels for _, name in panel.values if name != PEER)
     colors = {name: COLORS[i % len(COLORS)] for i, name in enumerate(series)} | {PEER: PEER_COLOR}
-    series = [PEER, *series]
+    if any(name == PEER for panel in panels for _, name in panel.values):
+        series = [PEER, *series]
     width = min(max(800, 110 + 16 * len(scenes) * (len(series) + 2)), 1900)
     top, panel_height = 80, 265
     height = top + panel_height * len(panels)
@@ -156,8 +157,13 @@ def draw(results, folder):
         return []
     with open(results, newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
+    return draw_figures(figures(rows), folder)
+
+
+def draw_figures(found, folder):
+    """The paths of what figures() gives, drawn."""
     paths = []
-    for name, (heading, panels) in figures(rows).items():
+    for name, (heading, panels) in found.items():
         for suffix, terminal in TERMINALS.items():
             path = pathlib.Path(folder) / f"{name}.{suffix}"
             subprocess.run(["gnuplot"], input=script(heading, panels, terminal, path), text=True, check=True)

@@ -44,18 +44,18 @@ def load(path):
     return json.loads(path.read_text())
 
 
-def help_choices(tools, option):
-    """The values that rt-grid --help lists for an option: `--structure uniform|cloud|...`."""
-    text = subprocess.run([tools / "rt-grid", "--help"], capture_output=True, text=True, check=True).stdout
+def help_choices(tool, option):
+    """The values that a tool's --help lists for an option, `--structure uniform|cloud|...`; none if it has no such option."""
+    text = subprocess.run([tool, "--help"], capture_output=True, text=True, check=True).stdout
     match = re.search(rf"^\s+--{option}[ =]([a-z]+(?:\|[a-z]+)+)", text, re.MULTILINE)
     return match.group(1).split("|") if match else []
 
 
 def all_variants(tools):
     """(structure, further options): every structure, and `auto` in every quality."""
-    qualities = [("--quality", quality) for quality in help_choices(tools, "quality")]
+    qualities = [("--quality", quality) for quality in help_choices(tools / "rt-grid", "quality")]
     variants = []
-    for structure in help_choices(tools, "structure"):
+    for structure in help_choices(tools / "rt-grid", "structure"):
         variants += [(structure, q) for q in qualities] if structure == "auto" and qualities else [(structure, ())]
     return variants
 
@@ -93,7 +93,7 @@ class SceneRunner:
         self.faults.append(text)
         self.log(f"  FAILED {text}")
 
-    def trace_or_skip(self, row, trace):
+    def trace_or_skip(self, row, trace, label):
         """Runs trace(row). What a software renderer's limits do not let it trace becomes a row with a note, no failure."""
         try:
             trace(row)
@@ -101,7 +101,7 @@ class SceneRunner:
             if error.ended != TRACE_LIMIT or not self.options.software:
                 raise
             self.rows.append(row | {"note": f"skipped: {error}"})
-            self.log(f"    {row['set']:8}skipped: {error}")
+            self.log(f"    {label:8}skipped: {error}")
 
     def scene_model(self, scene, folder):
         """The model file of a scene, generated where it has to be; None if a model is not there."""
@@ -116,18 +116,23 @@ class SceneRunner:
         make_scene.make(path, *make, *([str(source)] if source else []))
         return path
 
+    def make_mesh(self, scene, folder):
+        """Imports scene.rtmesh; False if the model is not there."""
+        model = self.scene_model(scene, folder)
+        if model is None:
+            self.log(f"{scene['name']}: skipped, {self.options.scenes_dir / scene['model']} is not there")
+            return False
+        run(self.tools / "rt-import", model, "-o", folder / "scene.rtmesh")
+        return True
+
     def run_scene(self, scene):
         name = scene["name"]
         folder = self.out / "work" / name
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         try:
-            model = self.scene_model(scene, folder)
-            if model is None:
-                self.log(f"{name}: skipped, {self.options.scenes_dir / scene['model']} is not there")
-                return
-            run(self.tools / "rt-import", model, "-o", folder / "scene.rtmesh")
-            self.measure(scene, folder)
+            if self.make_mesh(scene, folder):
+                self.measure(scene, folder)
         except StepFailed as error:
             self.fault(f"{name}: {error}")
         finally:
@@ -194,7 +199,7 @@ class Benchmark(SceneRunner):
                      f"{row['bytes_per_triangle']:.0f} bytes per triangle")  # fmt: skip
             for name in SETS:
                 self.trace_or_skip(row | {"set": name}, lambda row: self.run_set(
-                    row, folder, rays["sets"][row["set"]], f"{prefix}-{row['set']}"))  # fmt: skip
+                    row, folder, rays["sets"][row["set"]], f"{prefix}-{row['set']}"), name)  # fmt: skip
         except StepFailed as error:
             self.rows.append(row | {"note": str(error)})
             self.fault(f"{scene}, {variant}: {error}")
@@ -300,9 +305,9 @@ def complete(options, tools, full_size):
         options.repeat = 1 if options.reduced else 15
 
 
-def named_scenes(names):
-    """Those of scenes.json; all without names."""
-    known = {scene["name"]: scene for scene in load(HERE / "scenes.json")}
+def named_scenes(names, folder=HERE):
+    """Those of a folder's scenes.json; all without names."""
+    known = {scene["name"]: scene for scene in load(folder / "scenes.json")}
     unknown = sorted(set(names or ()) - set(known))
     if unknown:
         sys.exit(f"no such scene: {' '.join(unknown)}; there are {' '.join(known)}")

@@ -42,9 +42,6 @@ void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
             ->check(CLI::IsMember({"auto", "coherent", "scattered"}).description(""))
             ->type_name("auto|coherent|scattered")
             ->capture_default_str(),
-        app.add_option("--repeat", options.repeat, "Warm up, trace the rays N times and report the median")
-            ->check(numberBetween(1, 100000))
-            ->type_name("N"),
     };
     for (CLI::Option* option : added) option->group(kQueryGroup);
 }
@@ -77,6 +74,10 @@ void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) 
         ->type_name("SIZE[K|M|G]");
     app.add_flag("--no-shader-cache", options.noShaderCache,
                  "Compile anew, and keep nothing in ~/.cache/rt-tools (or $XDG_CACHE_HOME/rt-tools)");
+    app.add_option("--repeat", options.repeat,
+                   "Warm the device up, trace the picture or the rays N times and report the median time")
+        ->check(numberBetween(1, 100000))
+        ->type_name("N");
     app.add_flag("--stats", options.stats, "Count rays, steps and triangle tests in a second pass");
 }
 
@@ -88,8 +89,8 @@ void checkGroups(const CLI::App& app, const TraceOptions& options) {
                                                    : nullptr;
     for (const CLI::Option* option : app.get_options()) {
         const bool ofPictures = option->get_group().rfind(kPictureGroup, 0) == 0;
-        const bool makesSomething =
-            ofPictures || option->get_group() == kQueryGroup || option->get_name() == "--output";
+        const bool makesSomething = ofPictures || option->get_group() == kQueryGroup ||
+                                    option->get_name() == "--output" || option->get_name() == "--repeat";
         if (list && makesSomething && option->count() > 0)
             throw Error(ErrorKind::Usage, fmt::format("{} does not go with {}", option->get_name(), list));
         if (option->count() > 0 && (query ? ofPictures : option->get_group() == kQueryGroup))

@@ -28,6 +28,7 @@ struct TraceOptions {
     std::string scenePath;
     std::vector<std::string> outputPaths;
     bool stats = false;
+    unsigned repeat = 0; ///< 0: trace once, without warming the device up
     bool doublePrecision = false;
     unsigned intersect = kIntersectWatertight;
 
@@ -69,7 +70,6 @@ struct TraceOptions {
     std::string raysPath; ///< empty: a picture is wanted
     bool anyHit = false;
     RayOrder rayOrder = RayOrder::Auto;
-    unsigned repeat = 0; ///< 0: trace once, without warming the device up
 };
 
 /// Every file that the tool is to write, "-" for standard output; of a range of frames those of the first.

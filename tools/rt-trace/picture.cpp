@@ -4,6 +4,7 @@
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/render_image.h"
 #include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/warm_up.h"
 
 #include <fmt/format.h>
 
@@ -45,6 +46,24 @@ void runLoop(const TraceOptions& options, const GpuScene& scene, GpuView& view, 
     if (control.save) save(picture.figures.gpuMs);
 }
 
+// The same picture anew, warming up first; it stays as the last pass made it.
+void repeatLoop(const TraceOptions& options, const GpuScene& scene, GpuView& view, const Film& film,
+                Picture& picture) {
+    const TileSamples untouched = picture.tiles;
+    const LoopControl control{.targetError = options.targetError};
+    const auto pass = [&] {
+        picture.tiles = untouched;
+        picture.figures = renderTiles(scene.programs, view, film, *scene.context, picture.tiles, control);
+    };
+    warmUp(pass);
+    for (unsigned i = 0; i < options.repeat; ++i) {
+        pass();
+        picture.passesMs.push_back(picture.figures.gpuMs);
+    }
+    std::sort(picture.passesMs.begin(), picture.passesMs.end());
+    picture.figures.gpuMs = medianOf(picture.passesMs);
+}
+
 void requireWholePixels(const TraceOptions& options, const FilmPixels& pixels) {
     requireWholeWalks(
         static_cast<std::size_t>(std::count(pixels.ids.begin(), pixels.ids.end(), kWalkCutShort)), "pixels",
@@ -71,7 +90,10 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     stages.end();
     stages.add("firstDispatch", programMs());
     stages.begin("render");
-    runLoop(options, scene, view, film, identity, picture);
+    if (options.repeat > 0)
+        repeatLoop(options, scene, view, film, picture);
+    else
+        runLoop(options, scene, view, film, identity, picture);
     stages.begin("readback");
     picture.pixels = film.read(options.window, picture.tiles.perPixel());
     if (options.aovs & kAovMaterial)

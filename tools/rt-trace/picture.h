@@ -17,9 +17,10 @@ struct Picture {
     PassCounts passes;      ///< of --kernel multipass
     double earlierMs = 0.0; ///< gpuMs of the runs that it was resumed from
     std::optional<WorkTotals> work = {};
-    StageTimes stageTimes = {}; ///< of the pass that counted `work`
-    double heatMost = 0.0;      ///< what --heat shows in yellow
-    std::size_t nonFinite = 0;  ///< pixels of the written image, see countNonFinite()
+    StageTimes stageTimes = {};        ///< of the pass that counted `work`
+    double heatMost = 0.0;             ///< what --heat shows in yellow
+    std::size_t nonFinite = 0;         ///< pixels of the written image, see countNonFinite()
+    std::vector<double> passesMs = {}; ///< of --repeat; sorted, gpuMs is their median
 };
 
 /// Renders with what has been brought to the device. Resumes from and writes checkpoints where the options

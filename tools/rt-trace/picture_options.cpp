@@ -61,6 +61,13 @@ void checkNames(const TraceOptions& options) {
     }
 }
 
+// Whatever ends a picture elsewhere than at its last sample makes passes that cannot be compared.
+void checkRepeat(const TraceOptions& options) {
+    if (options.repeat > 0 &&
+        (options.timeLimitSeconds > 0.0 || !options.checkpointPath.empty() || !options.resumePath.empty()))
+        throwUsage("--repeat does not go with --time-limit, --checkpoint and --resume");
+}
+
 } // namespace
 
 void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts) {
@@ -90,6 +97,7 @@ void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOp
     checkKernel(options);
     checkFrames(options);
     checkNames(options);
+    checkRepeat(options);
     requireEffect(app, options);
 }
 

@@ -60,6 +60,10 @@ nlohmann::json figuresOf(const Picture& picture, const TraceOptions& options, co
                              {"shade", picture.passes.shade}};
     figures["gpuMs"] = picture.figures.gpuMs;
     figures["earlierGpuMs"] = picture.earlierMs;
+    if (!picture.passesMs.empty()) {
+        figures["minMs"] = picture.passesMs.front();
+        figures["repeat"] = options.repeat;
+    }
     figures["samples"] = samplesToJson(options, picture);
     figures["nonFinitePixels"] = picture.nonFinite;
     if (options.heat != Heat::None) figures["heatMost"] = picture.heatMost;

@@ -8,6 +8,7 @@
 #include "tools/rt-trace/ray_query.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/warm_up.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -18,9 +19,6 @@
 
 namespace rt {
 namespace {
-
-// GPUs idle at a fraction of their clock; this long is enough to reach it, as far as measured.
-constexpr double kWarmUpMs = 1200.0;
 
 std::span<const QueryRay> asRays(const SharedSpan<std::byte>& bytes, const std::string& path) {
     if (bytes.size() % sizeof(QueryRay) != 0)
@@ -44,10 +42,7 @@ struct Traced {
     std::vector<double> passesMs; ///< of all rays; sorted
     std::optional<WorkTotals> work;
 
-    double medianMs() const {
-        const std::size_t half = passesMs.size() / 2;
-        return passesMs.size() % 2 ? passesMs[half] : 0.5 * (passesMs[half - 1] + passesMs[half]);
-    }
+    double medianMs() const { return medianOf(passesMs); }
     std::size_t rayCount() const { return hits.size() / hitBytes; }
     /// Records whose triangle is `id`.
     std::size_t count(std::uint32_t id) const {
@@ -63,10 +58,7 @@ struct Traced {
 
 std::vector<double> timedPasses(const GpuRays& rays, const GlProgram& program, bool software,
                                 unsigned repeat) {
-    using Clock = std::chrono::steady_clock;
-    const auto start = Clock::now();
-    while (repeat > 0 && std::chrono::duration<double, std::milli>(Clock::now() - start).count() < kWarmUpMs)
-        rays.trace(program, 1, software);
+    if (repeat > 0) warmUp([&] { rays.trace(program, 1, software); });
     return rays.trace(program, std::max(repeat, 1u), software);
 }
 
