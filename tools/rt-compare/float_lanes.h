@@ -3,10 +3,12 @@
 
 namespace rt {
 
-/// Eight floats that go through the same arithmetic at once, and the integers of their comparisons and bits.
+/// Eight floats that go through the same arithmetic at once, the integers of their comparisons and bits, and
+/// doubles for their sums.
 /// The functions here are element-wise and use nothing but IEEE operations: the same bits on every processor.
 using Floats = float __attribute__((vector_size(32)));
 using Ints = int __attribute__((vector_size(32)));
+using Doubles = double __attribute__((vector_size(64)));
 inline constexpr std::size_t kLanes = 8;
 
 inline Floats allFloats(float value) {
@@ -19,6 +21,9 @@ inline Floats loadFloats(const float* from) {
 }
 inline void storeFloats(float* to, const Floats& values) {
     std::memcpy(to, &values, sizeof values);
+}
+inline Doubles doublesOf(const Floats& values) {
+    return __builtin_convertvector(values, Doubles);
 }
 /// b where a is NaN.
 inline Floats lesser(const Floats& a, const Floats& b) {
