@@ -1,6 +1,7 @@
 // What rt-compare takes beside the reading of its files, in time and memory, of a pair of 4096x2160 pixels
 // with R, G, B and A as floats (EXR, ZIP): whole processes, one kind after the other, the median of each.
-//     build/release/bin/rt_compare_speed [runs] [width height]
+//     build/release/bin/rt_compare_speed [runs [noise]]
+// `noise` is the standard deviation of a pixel over its value: the less of it, the faster ZIP is read.
 #include "formats/image.h"
 #include "formats/parallel_check.h"
 #include "formats/picture.h"
@@ -18,9 +19,7 @@
 namespace rt::test {
 namespace {
 
-struct Size {
-    std::uint32_t width = 4096, height = 2160;
-};
+constexpr std::uint32_t kWidth = 4096, kHeight = 2160;
 
 struct Color {
     double red, green, blue, coverage;
@@ -54,20 +53,20 @@ double noiseOf(std::uint64_t n) {
     return sum * std::sqrt(3.0);
 }
 
-// The noise of some hundred samples per pixel; the second picture has a little more of it, of its own.
-Image renderOf(const Size& size, bool isSecond) {
+// The second picture has a little more noise, of its own.
+Image renderOf(double noise, bool isSecond) {
     Image image;
-    image.width = size.width;
-    image.height = size.height;
+    image.width = kWidth;
+    image.height = kHeight;
     for (const char* name : {"A", "B", "G", "R"})
         image.channels.push_back(
             {name, ImageChannel::Type::Float, std::vector<float>(image.pixelCount()), {}});
     for (std::size_t i = 0; i < image.pixelCount(); ++i) {
-        const Color color = ballsAt(double(i % size.width), double(i / size.width));
+        const Color color = ballsAt(double(i % kWidth), double(i / kWidth));
         const double values[4] = {color.coverage, color.blue, color.green, color.red};
         for (std::size_t c = 0; c < 4; ++c) {
-            double factor = c == 0 ? 1.0 : 1.0 + 0.08 * noiseOf(4 * i + c);
-            if (c > 0 && isSecond) factor *= 1.0 + 0.01 * noiseOf(~(4 * i + c));
+            double factor = c == 0 ? 1.0 : 1.0 + noise * noiseOf(4 * i + c);
+            if (c > 0 && isSecond) factor *= 1.0 + 0.1 * noise * noiseOf(~(4 * i + c));
             image.channels[c].values[i] = static_cast<float>(values[c] * std::max(factor, 0.0));
         }
     }
@@ -94,13 +93,12 @@ void runOnce(Kind& kind) {
 }
 
 // This program's memory counts as that of what it starts, so the pictures are made in another.
-void measure(const std::string& self, int runs, const Size& size) {
+void measure(const std::string& self, int runs, const std::string& noise) {
     const TemporaryFolder folder;
     const std::string a = folder.file("a.exr"), b = folder.file("b.exr");
     const std::string tool = std::filesystem::path(self).replace_filename("rt-compare").string();
-    const std::string width = std::to_string(size.width), height = std::to_string(size.height);
     for (const auto& [path, which] : {std::pair(a, "first"), {b, "second"}}) {
-        Kind making{"make", {self, "make", path, which, width, height}};
+        Kind making{"make", {self, "make", path, which, noise}};
         runOnce(making);
     }
     std::vector<Kind> kinds{
@@ -110,7 +108,7 @@ void measure(const std::string& self, int runs, const Size& size) {
     };
     for (int i = 0; i < runs; ++i)
         for (Kind& kind : kinds) runOnce(kind);
-    const double pairBytes = 2.0 * 4.0 * sizeof(float) * size.width * size.height;
+    const double pairBytes = 2.0 * 4.0 * sizeof(float) * kWidth * kHeight;
     fmt::print("| {} runs, median | wall | processor | against reading | peak memory / pair "
                "|\n|---|---|---|---|---|\n",
                runs);
@@ -123,20 +121,16 @@ void measure(const std::string& self, int runs, const Size& size) {
 }
 
 void run(const std::vector<std::string>& arguments) {
-    const auto numberAt = [&](std::size_t i, std::uint32_t otherwise) {
-        return arguments.size() > i ? static_cast<std::uint32_t>(std::stoul(arguments[i])) : otherwise;
-    };
     const std::string command = arguments.size() > 1 ? arguments[1] : "";
     if (command == "make") {
-        writeImage(arguments.at(2), renderOf({numberAt(4, 0), numberAt(5, 0)}, arguments.at(3) == "second"));
+        writeImage(arguments.at(2), renderOf(std::stod(arguments.at(4)), arguments.at(3) == "second"));
     } else if (command == "read") {
         Picture a, b; // as rt-compare reads them: together
         checkTogether(
             {[&] { a = readPicture(arguments.at(2), {}); }, [&] { b = readPicture(arguments.at(3), {}); }});
     } else {
-        const Size size;
-        measure(arguments[0], static_cast<int>(numberAt(1, 7)),
-                {numberAt(2, size.width), numberAt(3, size.height)});
+        const int runs = arguments.size() > 1 ? std::stoi(arguments[1]) : 7;
+        measure(arguments[0], std::max(runs, 1), arguments.size() > 2 ? arguments[2] : "0.08");
     }
 }
 

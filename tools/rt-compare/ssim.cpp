@@ -123,15 +123,13 @@ RT_WIDE_LANES void measureTile(SsimTile& tile, const Window& window) {
             std::fill(row + columns, row + kTileWidth, 0.0f);
         }
         for (int i = 0; i < 2; ++i)
-            for (std::size_t x = 0; x < padded; x += kLanes) sums[i] += doublesOf(loadFloats(losses[i] + x));
+            for (std::size_t x = 0; x < padded; x += kDoubleLanes) sums[i] += loadDoubles(losses[i] + x);
         tile.windows += columns;
         for (std::size_t x = 0; !level.ignored.empty() && x < columns; ++x)
             tile.windows -= level.ignored[middle + x] ? 1u : 0u;
     }
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        tile.loss += sums[0][lane];
-        tile.contrastLoss += sums[1][lane];
-    }
+    tile.loss = sumOf(sums[0]);
+    tile.contrastLoss = sumOf(sums[1]);
 }
 
 void addTiles(const SsimLevel& level, float* map, std::vector<SsimTile>& tiles) {

@@ -18,12 +18,6 @@ std::size_t strideOf(std::size_t width) {
     return ((width + kLine - 1) / kLine | 1) * kLine;
 }
 
-inline Floats loadSome(const float* from, std::size_t count) {
-    float lanes[kLanes] = {};
-    std::copy_n(from, count, lanes);
-    return loadFloats(lanes);
-}
-
 // sRGB(v / (1 + v)).
 inline Floats displayOf(const Floats& linear) {
     const Floats none = allFloats(0.0f);
@@ -37,8 +31,8 @@ RT_WIDE_LANES void addAndSubtract(const float* a, const float* b, std::size_t co
                                   float* sum, float* difference) {
     for (std::size_t i = 0; i < count; i += kLanes) {
         const std::size_t some = std::min(kLanes, count - i);
-        Floats va = some == kLanes ? loadFloats(a + i) : loadSome(a + i, some);
-        Floats vb = some == kLanes ? loadFloats(b + i) : loadSome(b + i, some);
+        Floats va = some == kLanes ? loadFloats(a + i) : loadFloats(a + i, some);
+        Floats vb = some == kLanes ? loadFloats(b + i) : loadFloats(b + i, some);
         if (isLinear) {
             va = displayOf(va);
             vb = displayOf(vb);
