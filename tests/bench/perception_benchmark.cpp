@@ -61,7 +61,8 @@ void hdrFlip14Exposures(benchmark::State& state) {
 void ssimOfOneChannel(benchmark::State& state) {
     const Pair pair(1.0);
     limitThreads(state, [&] {
-        benchmark::DoNotOptimize(measureSsim({kWidth, kHeight, pair.a[0], pair.b[0], {}}, {.single = true}));
+        benchmark::DoNotOptimize(
+            measureSsim({kWidth, kHeight, pair.a[0], pair.b[0], {}, false}, {.single = true}));
     });
 }
 

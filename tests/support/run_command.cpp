@@ -34,8 +34,13 @@ CommandResult runCommand(const std::vector<std::string>& argv, const std::string
     rusage usage{};
     wait4(child, &status, 0, &usage);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    const auto secondsOf = [](const timeval& t) { return double(t.tv_sec) + 1e-6 * double(t.tv_usec); };
     const int exitCode = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    return {exitCode, readText(folder.file("out")), readText(folder.file("err")), elapsed.count(),
+    return {exitCode,
+            readText(folder.file("out")),
+            readText(folder.file("err")),
+            elapsed.count(),
+            secondsOf(usage.ru_utime) + secondsOf(usage.ru_stime),
             static_cast<std::uint64_t>(usage.ru_maxrss) * 1024u};
 }
 

@@ -10,6 +10,7 @@ struct CommandResult {
     std::string out;
     std::string err;
     double seconds = 0.0;
+    double processorSeconds = 0.0;     ///< of all its threads
     std::uint64_t peakMemoryBytes = 0; ///< the largest of the program and its children
 };
 

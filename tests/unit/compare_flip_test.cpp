@@ -189,6 +189,22 @@ TEST(Flip, IsZeroForEqualPicturesAndSymmetric) {
     EXPECT_EQ(flipLdr(a.planes(), b.planes()), flipLdr(b.planes(), a.planes()));
 }
 
+// Tiles are left out where nothing can be seen: not where a pixel of the next tile is.
+TEST(Flip, OfOneDifferentPixelIsSeenAllAroundIt) {
+    const Colors a = constantOf(600, 300, 0.5);
+    for (const std::size_t x : {253u, 255u, 256u, 258u}) {
+        Colors b = a;
+        b.values[1][100 * 600 + x] = 1.0f;
+        const std::vector<float> errors = flipLdr(a.planes(), b.planes());
+        for (std::size_t i = 1; i < 6; ++i) {
+            EXPECT_GT(errors[100 * 600 + x - i], 0.0f) << x << " " << i;
+            EXPECT_NEAR(errors[100 * 600 + x - i], errors[100 * 600 + x + i], 1e-4f);
+        }
+        EXPECT_EQ(errors[100 * 600 + x + 30], 0.0f);
+        EXPECT_EQ(errors[299 * 600], 0.0f);
+    }
+}
+
 TEST(Flip, IsTheSameForAnyNumberOfThreads) {
     const Colors a = brightWaves(), b = disturbedBrightWaves();
     const std::vector<float> all = flipHdr(a.planes(), b.planes(), {-2.0, 2.0, 3});

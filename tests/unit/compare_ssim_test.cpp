@@ -15,7 +15,7 @@ namespace {
 struct Pair {
     std::uint32_t width, height;
     std::vector<float> a, b;
-    SsimPlanes planes() const { return {width, height, a, b, {}}; }
+    SsimPlanes planes() const { return {width, height, a, b, {}, false}; }
 };
 
 Pair wavesOf(std::uint32_t width, std::uint32_t height) {
@@ -48,9 +48,9 @@ Pair constants(std::uint32_t width, std::uint32_t height, float a, float b) {
 TEST(Ssim, OfConstantPlanesIsHandComputed) {
     const Pair pair = constants(20, 15, 0.25f, 0.75f);
     const double expected = (2 * 0.25 * 0.75 + 1e-4) / (0.0625 + 0.5625 + 1e-4);
-    EXPECT_NEAR(ssim(pair.planes()).value(), expected, 1e-12);
+    EXPECT_NEAR(ssim(pair.planes()).value(), expected, 1e-7);
     const Pair large = constants(180, 176, 0.25f, 0.75f);
-    EXPECT_NEAR(msSsim(large.planes()).value(), std::pow(expected, 0.1333), 1e-12);
+    EXPECT_NEAR(msSsim(large.planes()).value(), std::pow(expected, 0.1333), 1e-7);
 }
 
 // Stripes a = 0 1 0 1 ... against b = 1 - a. The weights of even and odd offsets add up to E and 1 - E, so
@@ -71,7 +71,7 @@ TEST(Ssim, OfStripesAndTheirNegativeIsHandComputed) {
     const double p = even / all, variance = p - p * p, ab = p * (1 - p);
     const double expected =
         (2 * ab + 1e-4) / (p * p + (1 - p) * (1 - p) + 1e-4) * (-2 * variance + 9e-4) / (2 * variance + 9e-4);
-    EXPECT_NEAR(ssim(pair.planes()).value(), expected, 1e-12);
+    EXPECT_NEAR(ssim(pair.planes()).value(), expected, 1e-7);
 }
 
 // By scikit-image 0.19.3, structural_similarity(gaussian_weights=True, sigma=1.5,
@@ -103,7 +103,7 @@ TEST(Ssim, AgreesWithScikitImageOnPhotographs) {
     for (const char* name : {"R", "G", "B"}) {
         const Image &imageA = a.parts[0].image, &imageB = b.parts[0].image;
         const SsimPlanes planes{
-            imageA.width, imageA.height, imageA.find(name)->values, imageB.find(name)->values, {}};
+            imageA.width, imageA.height, imageA.find(name)->values, imageB.find(name)->values, {}, false};
         single += ssim(planes).value() / 3.0;
         multi += msSsim(planes).value() / 3.0;
     }

@@ -1,12 +1,34 @@
 #include "tools/rt-compare/alignment.h"
 
+#include "common/wide_lanes.h"
+#include "tools/rt-compare/float_lanes.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rt {
 namespace {
+
+constexpr float kNotComparable = std::numeric_limits<float>::quiet_NaN();
+
+// Of the differences that are finite: their squares, and how many they are.
+RT_WIDE_LANES void addSquares(const float* a, const float* b, std::size_t size, double& sum, double& count) {
+    Doubles squares{}, finite{};
+    const auto add = [&](const Doubles& difference) {
+        const auto isFinite = difference - difference == 0.0;
+        squares += isFinite ? difference * difference : Doubles{};
+        finite += isFinite ? Doubles{} + 1.0 : Doubles{};
+    };
+    const std::size_t whole = size / kDoubleLanes * kDoubleLanes;
+    for (std::size_t i = 0; i < whole; i += kDoubleLanes) add(loadDoubles(a + i) - loadDoubles(b + i));
+    for (std::size_t i = whole; i < size; ++i)
+        add(Doubles{double(a[i]) - double(b[i]), kNotComparable, kNotComparable, kNotComparable});
+    sum += sumOf(squares);
+    count += sumOf(finite);
+}
 
 class ShiftSearch {
 public:
@@ -44,21 +66,22 @@ private:
 
     double rmseOf(const Alignment& shift, int step) const {
         double sum = 0.0, count = 0.0;
-        for (const ChannelPair& channel : layer_.channels) {
+        std::vector<float> masked;
+        const auto columns = static_cast<std::size_t>(width_ - 2 * radius_);
+        for (const ChannelPair& channel : layer_.channels)
             for (int y = radius_; y < height_ - radius_; y += step) {
-                const std::size_t row = std::size_t(y) * std::size_t(width_);
-                const float* a = channel.a->values.data() + row;
-                const float* b = channel.b->values.data() + std::ptrdiff_t(row) +
-                                 std::ptrdiff_t(shift.dy) * width_ + shift.dx;
-                const std::uint8_t* ignored = focus_.ignored.empty() ? nullptr : focus_.ignored.data() + row;
-                for (int x = radius_; x < width_ - radius_; ++x) {
-                    const double difference = double(a[x]) - double(b[x]);
-                    if ((ignored && ignored[x]) || !std::isfinite(difference)) continue;
-                    sum += difference * difference;
-                    count += 1.0;
+                const std::ptrdiff_t first = std::ptrdiff_t(y) * width_ + radius_;
+                const float* a = channel.a->values.data() + first;
+                const float* b =
+                    channel.b->values.data() + first + std::ptrdiff_t(shift.dy) * width_ + shift.dx;
+                if (!focus_.ignored.empty()) {
+                    masked.assign(a, a + columns);
+                    for (std::size_t x = 0; x < columns; ++x)
+                        if (focus_.ignored[static_cast<std::size_t>(first) + x]) masked[x] = kNotComparable;
+                    a = masked.data();
                 }
+                addSquares(a, b, columns, sum, count);
             }
-        }
         return count > 0.0 ? std::sqrt(sum / count) : std::numeric_limits<double>::infinity();
     }
 

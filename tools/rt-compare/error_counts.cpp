@@ -1,14 +1,28 @@
 #include "tools/rt-compare/error_counts.h"
 
+#include "common/wide_lanes.h"
+#include "tools/rt-compare/float_lanes.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
 #include <numeric>
 
 namespace rt {
 namespace {
 
+constexpr std::size_t kBlock = 4096;                    // values; their bits stay in the cache
 constexpr std::size_t kFineBins = std::size_t(1) << 16; // the lower 16 bits
+
+inline Ints errorBits(const Floats& a, const Floats& b) {
+    constexpr int kInfinite = 0x7F800000;
+    const Ints error = bitsOf(absolute(a - b)), sizeA = bitsOf(absolute(a)), sizeB = bitsOf(absolute(b));
+    const Ints isFinite = (sizeA < kInfinite) & (sizeB < kInfinite), most = Ints{} + (kInfinite - 1);
+    return isFinite ? (error < most ? error : most) : Ints{} + int(kNoError);
+}
 
 /// Where the value of a rank is: its upper bits, and its rank among those that share them (from 1).
 struct CoarsePlace {
@@ -51,19 +65,22 @@ struct Slots {
 
 using FineCounts = std::vector<std::uint32_t>; // kFineBins for each slot
 
-void addFine(double absError, const Slots& slots, FineCounts& counts) {
-    const std::uint32_t bits = absErrorBits(absError);
-    const int slot = slots.slotOfBin[bits >> 16];
-    if (slot >= 0) ++counts[static_cast<std::size_t>(slot) * kFineBins + (bits & 0xFFFFu)];
+void addFine(std::span<const std::uint32_t> bits, const Slots& slots, FineCounts& counts) {
+    for (const std::uint32_t value : bits) {
+        const int slot = slots.slotOfBin[value >> 16];
+        if (slot >= 0) ++counts[static_cast<std::size_t>(slot) * kFineBins + (value & 0xFFFFu)];
+    }
 }
 
 FineCounts countFine(const ChannelPair& channel, const ComparedRegion& focus, const Slots& slots) {
     FineCounts counts(slots.bins.size() * kFineBins);
     const std::vector<float>&a = channel.a->values, &b = channel.b->values;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const double absError = std::abs(double(a[i]) - double(b[i]));
-        if (!std::isfinite(absError) || !focus.isCompared(i)) continue;
-        addFine(absError, slots, counts);
+    std::array<std::uint32_t, kBlock> bits;
+    for (std::size_t first = 0; first < a.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, a.size() - first);
+        findErrorBits(a.data() + first, b.data() + first,
+                      focus.ignored.empty() ? nullptr : focus.ignored.data() + first, count, bits.data());
+        addFine({bits.data(), count}, slots, counts);
     }
     return counts;
 }
@@ -82,6 +99,39 @@ std::vector<Percentile> refine(const std::vector<CoarsePlace>& places, std::span
 }
 
 } // namespace
+
+RT_WIDE_LANES void findErrorBits(const float* a, const float* b, const std::uint8_t* ignored,
+                                 std::size_t count, std::uint32_t* bits) {
+    const std::size_t whole = count / kLanes * kLanes;
+    for (std::size_t i = 0; i < whole; i += kLanes) {
+        const Ints found = errorBits(loadFloats(a + i), loadFloats(b + i));
+        std::memcpy(bits + i, &found, sizeof found);
+    }
+    const std::size_t rest = count - whole;
+    const Ints found = errorBits(loadFloats(a + whole, rest), loadFloats(b + whole, rest));
+    std::memcpy(bits + whole, &found, rest * sizeof(std::uint32_t));
+    for (std::size_t i = 0; ignored && i < count; ++i)
+        if (ignored[i]) bits[i] = kNoError;
+}
+
+void ErrorCounts::add(std::span<const std::uint32_t> bits) {
+    for (std::size_t i = 0; i < bits.size();) {
+        // Equal values come in crowds, and adding to the same count over and over is slow.
+        const std::size_t end = std::min(i + 8, bits.size());
+        std::uint32_t any = 0;
+        for (std::size_t k = i; k < end; ++k) any |= bits[k];
+        if (any == 0) {
+            zeros += end - i;
+            counts[0] += static_cast<std::uint32_t>(end - i);
+            i = end;
+        }
+        for (; i < end; ++i) {
+            ++counts[bits[i] >> 16];
+            zeros += bits[i] == 0 ? 1u : 0u;
+        }
+    }
+    counts[kNoError >> 16] = 0;
+}
 
 void ErrorCounts::add(const ErrorCounts& other) {
     for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += other.counts[i];
@@ -128,13 +178,16 @@ std::vector<std::vector<Percentile>> findPercentiles(const LayerPair& layer, con
 }
 
 std::vector<Percentile> findPercentiles(std::span<const float> errors, std::span<const double> percents) {
+    std::vector<std::uint32_t> bits(errors.size());
+    std::ranges::transform(errors, bits.begin(),
+                           [](float error) { return std::bit_cast<std::uint32_t>(error); });
     ErrorCounts counts;
-    for (const float error : errors) counts.add(error);
+    counts.add(bits);
     const std::vector<CoarsePlace> places = locate(counts, percents);
     Slots slots;
     slots.add(places);
     FineCounts fine(slots.bins.size() * kFineBins);
-    for (const float error : errors) addFine(error, slots, fine);
+    addFine(bits, slots, fine);
     return refine(places, percents, slots, fine);
 }
 

@@ -1,30 +1,25 @@
 #pragma once
 #include "tools/rt-compare/prepared_pair.h"
 
-#include <bit>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 namespace rt {
 
-/// |a - b| in single precision, whose bits are ordered as its values are.
-inline std::uint32_t absErrorBits(double absError) {
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    return std::bit_cast<std::uint32_t>(static_cast<float>(std::min(absError, kLargest)));
-}
+/// |a - b| in single precision as bits, which are ordered as its values are; kNoError where one of them is
+/// not finite, or ignored (nullptr: none is). What overflows is the largest number there is.
+void findErrorBits(const float* a, const float* b, const std::uint8_t* ignored, std::size_t count,
+                   std::uint32_t* bits);
+inline constexpr std::uint32_t kNoError = 0x7FFFFFFFu; // above those of all numbers
 
-/// How often each |a - b| occurs, by the upper 16 bits of absErrorBits(): 128 steps for each doubling.
+/// How often each |a - b| occurs, by the upper 16 bits of what findErrorBits() finds: 128 steps for each
+/// doubling.
 struct ErrorCounts {
     std::vector<std::uint32_t> counts = std::vector<std::uint32_t>(1u << 15);
     std::uint64_t zeros = 0; ///< also counted in counts[0]
 
-    void add(double absError) {
-        ++counts[absErrorBits(absError) >> 16];
-        zeros += absError == 0.0 ? 1u : 0u;
-    }
+    void add(std::span<const std::uint32_t> bits);
     void add(const ErrorCounts& other);
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 
 namespace rt {
@@ -91,12 +92,21 @@ void addFeatures(FlipFilters& filters, double pixelsPerDegree) {
     filters.point = scaled(point, 1.0);
 }
 
+// Filters that are applied together; what is added is 0.
+void makeAsLong(std::initializer_list<LineFilter*> filters) {
+    std::size_t longest = 0;
+    for (const LineFilter* filter : filters) longest = std::max(longest, filter->weights.size());
+    for (LineFilter* filter : filters) filter->weights.resize(longest);
+}
+
 } // namespace
 
 FlipFilters makeFlipFilters(double pixelsPerDegree) {
     FlipFilters filters;
     addSensitivities(filters, pixelsPerDegree);
     addFeatures(filters, pixelsPerDegree);
+    makeAsLong({&filters.blueYellowWide, &filters.blueYellowNarrow});
+    makeAsLong({&filters.smooth, &filters.edge, &filters.point});
     for (const LineFilter* filter :
          {&filters.achromatic, &filters.redGreen, &filters.blueYellowWide, &filters.blueYellowNarrow,
           &filters.smooth, &filters.edge, &filters.point})

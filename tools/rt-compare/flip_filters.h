@@ -10,7 +10,7 @@ struct LineFilter {
 };
 
 /// FLIP's filters taken apart into lines: a filter of the plane is the product of one along x and one along
-/// y, or the sum of two such products.
+/// y, or the sum of two such products. Both filters of blue-yellow have the same radius, and all of features.
 struct FlipFilters {
     LineFilter achromatic, redGreen, blueYellowWide, blueYellowNarrow; ///< what the eye resolves of Y, Cx, Cz
     LineFilter smooth, edge, point; ///< Gaussian, its first (odd) and its second derivative

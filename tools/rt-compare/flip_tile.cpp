@@ -14,9 +14,8 @@ namespace {
 constexpr int kLaneCount = static_cast<int>(kLanes);
 constexpr int kStep = 2 * kLaneCount; // columns at a time: enough sums to hide each other's wait
 
-// What a row becomes along x; along y each goes on through its own filter.
+// What a row becomes along y; along x each goes on through its own filters.
 enum Line { kY, kCx, kCzWide, kCzNarrow, kSmooth, kEdge, kPoint, kLineCount };
-constexpr std::size_t kRowFloats = std::size_t(kLineCount) * kFlipTileWidth;
 
 struct FloatsPair {
     Floats low, high; // of kStep columns
@@ -25,32 +24,32 @@ struct FloatsPair {
 inline FloatsPair loadPair(const float* from) {
     return {loadFloats(from), loadFloats(from + kLanes)};
 }
-
-// The sum over at(-radius) ... at(radius), pointers to kStep values each.
-template <class At>
-inline FloatsPair filteredEven(const LineFilter& filter, At&& at) {
-    const float* const weights = filter.weights.data();
-    FloatsPair sum = loadPair(at(0));
-    sum.low *= weights[0];
-    sum.high *= weights[0];
-    for (int i = 1; i <= filter.radius(); ++i) {
-        const FloatsPair after = loadPair(at(i)), before = loadPair(at(-i));
-        sum.low += weights[i] * (after.low + before.low);
-        sum.high += weights[i] * (after.high + before.high);
-    }
-    return sum;
+inline void storePair(float* to, const FloatsPair& values) {
+    storeFloats(to, values.low);
+    storeFloats(to + kLanes, values.high);
+}
+inline FloatsPair operator+(const FloatsPair& a, const FloatsPair& b) {
+    return {a.low + b.low, a.high + b.high};
+}
+inline FloatsPair operator-(const FloatsPair& a, const FloatsPair& b) {
+    return {a.low - b.low, a.high - b.high};
+}
+inline FloatsPair operator*(float weight, const FloatsPair& a) {
+    return {weight * a.low, weight * a.high};
+}
+inline void operator+=(FloatsPair& sum, const FloatsPair& a) {
+    sum.low += a.low;
+    sum.high += a.high;
 }
 
+// The sum over at(-radius) ... at(radius), pointers to kStep values each. Here as below the small weights
+// come first, which loses the fewest digits.
 template <class At>
-inline FloatsPair filteredOdd(const LineFilter& filter, At&& at) {
+inline FloatsPair filtered(const LineFilter& filter, At&& at) {
     const float* const weights = filter.weights.data();
     FloatsPair sum{};
-    for (int i = 1; i <= filter.radius(); ++i) {
-        const FloatsPair after = loadPair(at(i)), before = loadPair(at(-i));
-        sum.low += weights[i] * (after.low - before.low);
-        sum.high += weights[i] * (after.high - before.high);
-    }
-    return sum;
+    for (int i = filter.radius(); i > 0; --i) sum += weights[i] * (loadPair(at(i)) + loadPair(at(-i)));
+    return sum + weights[0] * loadPair(at(0));
 }
 
 // One picture as the eye's filter leaves it, and how strong its edges and points are.
@@ -99,44 +98,45 @@ FlipColors::FlipColors() {
 }
 
 void FlipTile::resize(const FlipFilters& filters) {
-    margin_ = (filters.radius + kLaneCount - 1) / kLaneCount * kLaneCount;
-    stride_ = kFlipTileWidth + 2 * margin_;
-    const auto ringRows = static_cast<std::size_t>(2 * filters.radius + 1);
-    channels_.resize(3 * static_cast<std::size_t>(stride_));
+    radius_ = filters.radius;
+    stride_ = (kFlipTileWidth + 2 * radius_ + kStep - 1) / kStep * kStep;
+    const auto stride = static_cast<std::size_t>(stride_),
+               ringRows = static_cast<std::size_t>(2 * radius_ + 1);
     errors_.resize(kFlipTileWidth);
     for (int i = 0; i < 2; ++i) {
-        lines_[i].resize(ringRows * kRowFloats);
-        rows_[i].resize(ringRows);
+        rows_[i].resize(ringRows * 3 * stride);
+        near_[i].resize(ringRows);
+        lines_[i].resize(kLineCount * stride);
     }
 }
 
-// The picture goes on beyond its edges as at them.
-inline void FlipTile::loadRow(const FlipTask& task, const ColorPlanes& picture, int x0, int y) {
-    const int width = static_cast<int>(picture.width), height = static_cast<int>(picture.height);
-    const int left = x0 - margin_, first = std::max(left, 0), end = std::min(left + stride_, width);
-    const std::size_t row = static_cast<std::size_t>(std::clamp(y, 0, height - 1)) * picture.width;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const float* const from = picture.planes[c].data() + row;
-        float* const to = channels_.data() + c * static_cast<std::size_t>(stride_);
-        std::fill(to, to + (first - left), from[first]);
-        std::copy(from + first, from + end, to + (first - left));
-        std::fill(to + (end - left), to + stride_, from[end - 1]);
-    }
-    toOpponents(task, picture);
+// Whether the pictures have the same bits wherever errors of the tile come from.
+bool FlipTile::isEqual(const FlipTask& task, int x0, int y0, int endX, int endY) const {
+    const ColorPlanes &a = *task.pictures[0], &b = *task.pictures[1];
+    const int left = std::max(x0 - radius_, 0), right = std::min(endX + radius_, static_cast<int>(a.width));
+    const int top = std::max(y0 - radius_, 0), bottom = std::min(endY + radius_, static_cast<int>(a.height));
+    for (int y = top; y < bottom; ++y)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::size_t at = static_cast<std::size_t>(y) * a.width + static_cast<std::size_t>(left);
+            if (std::memcmp(a.planes[c].data() + at, b.planes[c].data() + at,
+                            static_cast<std::size_t>(right - left) * sizeof(float)) != 0)
+                return false;
+        }
+    return true;
 }
 
-inline void FlipTile::toOpponents(const FlipTask& task, const ColorPlanes& picture) {
+inline void toOpponents(const FlipTask& task, ColorPlanes::Encoding encoding, float* row, int stride) {
     const Floats none = allFloats(0.0f), bright = allFloats(1e6f); // the tone map's end is far below
-    float* const r = channels_.data();
-    float* const g = r + stride_;
-    float* const b = g + stride_;
-    for (int x = 0; x < stride_; x += kLaneCount) {
+    float* const r = row;
+    float* const g = r + stride;
+    float* const b = g + stride;
+    for (int x = 0; x < stride; x += kLaneCount) {
         Floats rgb[3] = {loadFloats(r + x), loadFloats(g + x), loadFloats(b + x)};
         for (Floats& v : rgb) {
             v = v - v == 0.0f ? v : none;
             if (task.exposure) v = acesToneMapped(greater(lesser(v * *task.exposure, bright), none));
             v = clampToUnit(v);
-            if (picture.encoding == ColorPlanes::Encoding::Srgb) v = decodedSrgb(v);
+            if (encoding == ColorPlanes::Encoding::Srgb) v = decodedSrgb(v);
         }
         const FloatsTriple opponent = opponentOf(task.colors, {rgb[0], rgb[1], rgb[2]});
         storeFloats(r + x, opponent.x);
@@ -145,48 +145,89 @@ inline void FlipTile::toOpponents(const FlipTask& task, const ColorPlanes& pictu
     }
 }
 
-inline void FlipTile::filterAlongX(const FlipFilters& filters, int columns, float* lines) const {
-    const float* const y = channels_.data() + margin_;
-    const float* const cx = y + stride_;
-    const float* const cz = cx + stride_;
+// The picture goes on beyond its edges as at them.
+inline void FlipTile::loadRow(const FlipTask& task, const ColorPlanes& picture, int x0, int y,
+                              float* to) const {
+    const int width = static_cast<int>(picture.width), height = static_cast<int>(picture.height);
+    const int left = x0 - radius_, first = std::max(left, 0), end = std::min(left + stride_, width);
+    const std::size_t row = static_cast<std::size_t>(std::clamp(y, 0, height - 1)) * picture.width;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const float* const from = picture.planes[c].data() + row;
+        float* const plane = to + c * static_cast<std::size_t>(stride_);
+        std::fill(plane, plane + (first - left), from[first]);
+        std::copy(from + first, from + end, plane + (first - left));
+        std::fill(plane + (end - left), plane + stride_, from[end - 1]);
+    }
+    toOpponents(task, picture.encoding, to, stride_);
+}
+
+// The filters of a channel share what they read.
+inline void FlipTile::filterAlongY(const FlipFilters& filters, int picture, int columns) {
+    const float* const* const rows = near_[picture].data() + radius_;
+    const auto weightsOf = [](const LineFilter& filter) { return filter.weights.data(); };
+    const float *const seen = weightsOf(filters.achromatic), *const smooth = weightsOf(filters.smooth),
+                       *const edge = weightsOf(filters.edge), *const point = weightsOf(filters.point),
+                       *const wide = weightsOf(filters.blueYellowWide),
+                       *const narrow = weightsOf(filters.blueYellowNarrow);
+    const int seenRadius = filters.achromatic.radius(), featureRadius = filters.smooth.radius();
     for (int x = 0; x < columns; x += kStep) {
+        const auto at = [&](int row, int channel) { return loadPair(rows[row] + channel * stride_ + x); };
         const auto put = [&](Line line, const FloatsPair& values) {
-            float* const to = lines + line * kFlipTileWidth + x;
-            storeFloats(to, values.low);
-            storeFloats(to + kLanes, values.high);
+            storePair(lines_[picture].data() + line * stride_ + x, values);
         };
-        const auto at = [x](const float* row) { return [row, x](int i) { return row + (x + i); }; };
-        put(kY, filteredEven(filters.achromatic, at(y)));
-        put(kCx, filteredEven(filters.redGreen, at(cx)));
-        put(kCzWide, filteredEven(filters.blueYellowWide, at(cz)));
-        put(kCzNarrow, filteredEven(filters.blueYellowNarrow, at(cz)));
-        put(kSmooth, filteredEven(filters.smooth, at(y)));
-        put(kEdge, filteredOdd(filters.edge, at(y)));
-        put(kPoint, filteredEven(filters.point, at(y)));
+        const FloatsPair y = at(0, 0);
+        FloatsPair seenSum{}, smoothSum{}, edgeSum{}, pointSum{};
+        for (int i = seenRadius; i > featureRadius; --i) seenSum += seen[i] * (at(i, 0) + at(-i, 0));
+        for (int i = featureRadius; i > 0; --i) {
+            const FloatsPair below = at(i, 0), above = at(-i, 0), both = below + above;
+            if (i <= seenRadius) seenSum += seen[i] * both;
+            smoothSum += smooth[i] * both;
+            edgeSum += edge[i] * (below - above);
+            pointSum += point[i] * both;
+        }
+        const FloatsPair cz = at(0, 2);
+        FloatsPair wideSum{}, narrowSum{};
+        for (int i = filters.blueYellowWide.radius(); i > 0; --i) {
+            const FloatsPair both = at(i, 2) + at(-i, 2);
+            wideSum += wide[i] * both;
+            narrowSum += narrow[i] * both;
+        }
+        put(kY, seenSum + seen[0] * y);
+        put(kSmooth, smoothSum + smooth[0] * y);
+        put(kEdge, edgeSum);
+        put(kPoint, pointSum + point[0] * y);
+        put(kCx, filtered(filters.redGreen, [&](int row) { return rows[row] + stride_ + x; }));
+        put(kCzWide, wideSum + wide[0] * cz);
+        put(kCzNarrow, narrowSum + narrow[0] * cz);
     }
 }
 
-inline void FlipTile::filterAlongY(const FlipTask& task, int columns) {
+inline void FlipTile::filterAlongX(const FlipTask& task, int columns) {
     const FlipFilters& filters = task.filters;
+    const float *const edge = filters.edge.weights.data(), *const point = filters.point.weights.data();
     for (int x = 0; x < columns; x += kStep) {
         Seen low[2], high[2];
         for (int i = 0; i < 2; ++i) {
-            const float* const* const rows = rows_[i].data() + filters.radius;
-            const auto at = [rows, x](Line line) {
-                return [rows, offset = line * kFlipTileWidth + x](int row) { return rows[row] + offset; };
+            const auto at = [from = lines_[i].data() + radius_ + x, stride = stride_](Line line) {
+                return [line = from + line * stride](int column) { return line + column; };
             };
-            const FloatsPair y = filteredEven(filters.achromatic, at(kY));
-            const FloatsPair cx = filteredEven(filters.redGreen, at(kCx));
-            const FloatsPair wide = filteredEven(filters.blueYellowWide, at(kCzWide));
-            const FloatsPair narrow = filteredEven(filters.blueYellowNarrow, at(kCzNarrow));
-            const FloatsPair edgeX = filteredEven(filters.smooth, at(kEdge));
-            const FloatsPair edgeY = filteredOdd(filters.edge, at(kSmooth));
-            const FloatsPair pointX = filteredEven(filters.smooth, at(kPoint));
-            const FloatsPair pointY = filteredEven(filters.point, at(kSmooth));
-            low[i] = {{y.low, cx.low, wide.low + narrow.low},
-                      lengthOf(edgeX.low, edgeY.low),
-                      lengthOf(pointX.low, pointY.low)};
-            high[i] = {{y.high, cx.high, wide.high + narrow.high},
+            const FloatsPair y = filtered(filters.achromatic, at(kY));
+            const FloatsPair cx = filtered(filters.redGreen, at(kCx));
+            const FloatsPair cz = filtered(filters.blueYellowWide, at(kCzWide)) +
+                                  filtered(filters.blueYellowNarrow, at(kCzNarrow));
+            const FloatsPair edgeY = filtered(filters.smooth, at(kEdge));
+            const FloatsPair pointY = filtered(filters.smooth, at(kPoint));
+            const auto smooth = at(kSmooth);
+            FloatsPair edgeX{}, pointX{};
+            for (int k = filters.edge.radius(); k > 0; --k) {
+                const FloatsPair after = loadPair(smooth(k)), before = loadPair(smooth(-k));
+                edgeX += edge[k] * (after - before);
+                pointX += point[k] * (after + before);
+            }
+            pointX += point[0] * loadPair(smooth(0));
+            low[i] = {
+                {y.low, cx.low, cz.low}, lengthOf(edgeX.low, edgeY.low), lengthOf(pointX.low, pointY.low)};
+            high[i] = {{y.high, cx.high, cz.high},
                        lengthOf(edgeX.high, edgeY.high),
                        lengthOf(pointX.high, pointY.high)};
         }
@@ -195,33 +236,32 @@ inline void FlipTile::filterAlongY(const FlipTask& task, int columns) {
     }
 }
 
-inline void FlipTile::fill(const FlipTask& task, int x0, int y0) {
-    const int width = static_cast<int>(task.pictures[0]->width);
-    const int endY = std::min(y0 + kFlipTileHeight, static_cast<int>(task.pictures[0]->height));
-    const int used = std::min(kFlipTileWidth, width - x0), columns = (used + kStep - 1) / kStep * kStep;
-    const int radius = task.filters.radius, ringRows = 2 * radius + 1;
-    for (int y = y0 - radius; y < endY + radius; ++y) {
-        const int age = y - (y0 - radius);
-        for (int i = 0; i < 2; ++i) {
-            float* const lines = lines_[i].data() + static_cast<std::size_t>(age % ringRows) * kRowFloats;
-            loadRow(task, *task.pictures[i], x0, y);
-            filterAlongX(task.filters, columns, lines);
-        }
-        const int row = y - radius; // whose neighbours are complete now
+inline void FlipTile::fill(const FlipTask& task, int x0, int y0, int columns, int endY) {
+    const int ringRows = 2 * radius_ + 1, padded = (columns + kStep - 1) / kStep * kStep;
+    const auto rowOf = [&](int picture, int age) {
+        return rows_[picture].data() + static_cast<std::size_t>(age % ringRows * 3 * stride_);
+    };
+    for (int y = y0 - radius_; y < endY + radius_; ++y) {
+        const int age = y - (y0 - radius_);
+        for (int i = 0; i < 2; ++i) loadRow(task, *task.pictures[i], x0, y, rowOf(i, age));
+        const int row = y - radius_; // whose neighbours are complete now
         if (row < y0) continue;
-        for (int i = 0; i < 2; ++i)
-            for (int k = 0; k < ringRows; ++k)
-                rows_[i][static_cast<std::size_t>(k)] =
-                    lines_[i].data() + static_cast<std::size_t>((row - y0 + k) % ringRows) * kRowFloats;
-        filterAlongY(task, columns);
+        for (int i = 0; i < 2; ++i) {
+            for (int k = 0; k < ringRows; ++k) near_[i][static_cast<std::size_t>(k)] = rowOf(i, row - y0 + k);
+            filterAlongY(task.filters, i, padded + 2 * radius_);
+        }
+        filterAlongX(task, padded);
         float* const to = task.errors.data() + static_cast<std::size_t>(row) * task.pictures[0]->width + x0;
-        for (int x = 0; x < used; ++x) to[x] = std::max(to[x], errors_[static_cast<std::size_t>(x)]);
+        const float* const found = errors_.data();
+        for (int x = 0; x < columns; ++x) to[x] = std::max(to[x], found[x]);
     }
 }
 
 RT_WIDE_LANES void FlipTile::run(const FlipTask& task, int x0, int y0) {
+    const int endX = std::min(x0 + kFlipTileWidth, static_cast<int>(task.pictures[0]->width));
+    const int endY = std::min(y0 + kFlipTileHeight, static_cast<int>(task.pictures[0]->height));
     resize(task.filters);
-    fill(task, x0, y0);
+    if (!isEqual(task, x0, y0, endX, endY)) fill(task, x0, y0, endX - x0, endY);
 }
 
 } // namespace rt

@@ -18,8 +18,8 @@ struct FlipTask {
     std::span<float> errors;       ///< of all pixels; each is raised to the one found
 };
 
-/// A tile's columns, and of its rows the filtered ones that are still needed, stay in the nearer caches.
-inline constexpr int kFlipTileWidth = 128, kFlipTileHeight = 256;
+/// A tile's rows of filtered values, and those that are still needed unfiltered, stay in the nearer caches.
+inline constexpr int kFlipTileWidth = 256, kFlipTileHeight = 256;
 
 /// What one thread needs for a tile, kept from tile to tile.
 class FlipTile {
@@ -29,17 +29,17 @@ public:
 
 private:
     void resize(const FlipFilters& filters);
-    void loadRow(const FlipTask& task, const ColorPlanes& picture, int x0, int y);
-    void toOpponents(const FlipTask& task, const ColorPlanes& picture);
-    void filterAlongX(const FlipFilters& filters, int columns, float* lines) const;
-    void filterAlongY(const FlipTask& task, int columns);
-    void fill(const FlipTask& task, int x0, int y0);
+    bool isEqual(const FlipTask& task, int x0, int y0, int endX, int endY) const;
+    void loadRow(const FlipTask& task, const ColorPlanes& picture, int x0, int y, float* to) const;
+    void filterAlongY(const FlipFilters& filters, int picture, int columns);
+    void filterAlongX(const FlipTask& task, int columns);
+    void fill(const FlipTask& task, int x0, int y0, int columns, int endY);
 
-    int margin_ = 0;                    // columns before the tile's first one
+    int radius_ = 0;                    // of the largest filter: columns before the tile's first one
     int stride_ = 0;                    // columns of a row with its margins
-    std::vector<float> channels_;       // 3 rows: R, G, B, then Y, Cx, Cz
-    std::vector<float> lines_[2];       // of each picture: a ring of filtered rows
-    std::vector<const float*> rows_[2]; // those from filters.radius above the current row to as many below
+    std::vector<float> rows_[2];        // of each picture: a ring of rows of Y, Cx and Cz
+    std::vector<const float*> near_[2]; // of them those from radius_ above the current row to as many below
+    std::vector<float> lines_[2];       // of each picture: the current row, filtered along y
     std::vector<float> errors_;         // of one row
 };
 

@@ -8,6 +8,9 @@ namespace rt {
 using Floats = float __attribute__((vector_size(32)));
 using Ints = int __attribute__((vector_size(32)));
 inline constexpr std::size_t kLanes = 8;
+/// Four doubles, for sums of floats.
+using Doubles = double __attribute__((vector_size(32)));
+inline constexpr std::size_t kDoubleLanes = 4;
 
 inline Floats allFloats(float value) {
     return Floats{value, value, value, value, value, value, value, value};
@@ -19,6 +22,20 @@ inline Floats loadFloats(const float* from) {
 }
 inline void storeFloats(float* to, const Floats& values) {
     std::memcpy(to, &values, sizeof values);
+}
+/// The first `count`, the others 0.
+inline Floats loadFloats(const float* from, std::size_t count) {
+    Floats values{};
+    std::memcpy(&values, from, count * sizeof(float));
+    return values;
+}
+inline Doubles loadDoubles(const float* from) {
+    float __attribute__((vector_size(16))) values;
+    std::memcpy(&values, from, sizeof values);
+    return __builtin_convertvector(values, Doubles);
+}
+inline double sumOf(const Doubles& lanes) {
+    return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
 }
 /// b where a is NaN.
 inline Floats lesser(const Floats& a, const Floats& b) {

@@ -1,13 +1,9 @@
 #include "tools/rt-compare/perception.h"
 
-#include "common/wide_lanes.h"
-#include "tools/rt-compare/float_lanes.h"
 #include "tools/rt-compare/pool_errors.h"
 #include "tools/rt-compare/ssim.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -88,30 +84,6 @@ std::vector<float> addFlip(const LayerColors& colors, const std::vector<std::uin
     return map;
 }
 
-RT_WIDE_LANES void toDisplay(const float* from, float* to, std::size_t count) {
-    const Floats none = allFloats(0.0f);
-    for (std::size_t i = 0; i < count; i += kLanes) {
-        float lanes[kLanes] = {};
-        std::copy_n(from + i, std::min(kLanes, count - i), lanes);
-        Floats v = loadFloats(lanes);
-        v = greater(v - v == 0.0f ? v : none, none);
-        v = v / (1.0f + v);
-        const Floats curve = 1.055f * power(v, allFloats(1.0f / 2.4f)) - 0.055f;
-        storeFloats(lanes, v <= 0.0031308f ? 12.92f * v : curve);
-        std::copy_n(lanes, std::min(kLanes, count - i), to + i);
-    }
-}
-
-// Values from 0 to 1 for similarities.
-std::vector<float> displayValues(Values values, ColorPlanes::Encoding encoding) {
-    if (encoding == ColorPlanes::Encoding::Srgb) return {values.begin(), values.end()};
-    std::vector<float> display(values.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), 1 << 14), [&](const auto& range) {
-        toDisplay(values.data() + range.begin(), display.data() + range.begin(), range.size());
-    });
-    return display;
-}
-
 void noteTooSmall(const LayerComparison& layer, const char* what, std::uint32_t least,
                   Comparison& comparison) {
     comparison.notes.push_back(
@@ -123,11 +95,12 @@ std::vector<float> addSimilarity(const LayerColors& colors, const std::vector<st
     std::vector<float> map;
     double single = 0.0, multi = 0.0;
     const float share = 1.0f / static_cast<float>(colors.distinct);
+    SsimMeter meter;
     for (std::size_t c = 0; c < colors.distinct; ++c) {
-        const std::vector<float> a = displayValues(colors.a.planes[c], colors.a.encoding);
-        const std::vector<float> b = displayValues(colors.b.planes[c], colors.b.encoding);
-        const SsimPlanes planes{colors.a.width, colors.a.height, a, b, ignored};
-        const SsimFigures found = measureSsim(planes, {options.ssim, options.msSsim, options.ssimMap});
+        const SsimPlanes planes{
+            colors.a.width,     colors.a.height, colors.a.planes[c],
+            colors.b.planes[c], ignored,         colors.a.encoding == ColorPlanes::Encoding::Linear};
+        const SsimFigures found = meter.measure(planes, {options.ssim, options.msSsim, options.ssimMap});
         single += found.single.value_or(kNotComputed);
         multi += found.multi.value_or(kNotComputed);
         map.resize(found.map.size());

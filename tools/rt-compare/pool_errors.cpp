@@ -3,6 +3,8 @@
 #include "tools/rt-compare/error_counts.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 
 namespace rt {
 namespace {
@@ -10,7 +12,7 @@ namespace {
 constexpr std::array kPercents{50.0, 95.0, 99.0};
 
 std::size_t binOf(float error) {
-    return absErrorBits(error) >> 16;
+    return std::bit_cast<std::uint32_t>(error) >> 16;
 }
 
 // Sums of the errors in ascending order, as far as they are asked for: bins are, and one of them is sorted at
