@@ -37,13 +37,14 @@ class Measured:
         """(scene, grid of the thesis' structures) of all that was measured."""
         return [(scene, grid) for scene in self.scenes for grid in self.values("grid", scene=scene, structure="cloud")]
 
-    def number(self, key, case, structure, kernel="compute", size=None):
-        """NaN where it was not measured. Ours has a grid of its own; without a size it is the largest picture."""
+    def number(self, key, case, structure, kernel=None, size=None):
+        """NaN where it was not measured. Ours has a grid of its own; by itself it is the first kernel's largest picture."""
         scene, grid = case
-        row = self.by_case.get((scene, structure, "" if structure == "ours" else grid, kernel, size or self.sizes[-1]))
+        own = "" if structure == "ours" else grid
+        row = self.by_case.get((scene, structure, own, kernel or self.kernels[0], size or self.sizes[-1]))
         return float(row[key]) if row and row[key] else math.nan
 
-    def gain(self, case, structure, kernel="compute", key="ms"):
+    def gain(self, case, structure, kernel=None, key="ms"):
         """How many times as much uniform takes."""
         return self.number(key, case, "uniform", kernel) / self.number(key, case, structure, kernel)
 
@@ -135,7 +136,7 @@ def scene_table(measured):
     for case in measured.cases():
         kilobytes = [shown(measured.number("structure_bytes", case, structure) / 1e3, ",.0f") for structure in STRUCTURES[1:]]
         lines.append([
-            case[0], f"{int(measured.number('triangles', case, 'cloud')):,}", f"{case[1]}³",
+            case[0], shown(measured.number("triangles", case, "cloud"), ",.0f"), f"{case[1]}³",
             shown(100 * measured.number("empty", case, "cloud"), ".1f") + " %",
             shown(measured.number("proximity_max", case, "cloud"), ".0f"),
             shown(measured.number("proximity_mean", case, "cloud"), ".1f"),
