@@ -91,8 +91,10 @@ def all_figures(measured):
 
 
 def contact_sheet(measured, pictures, path):
-    """Figures 4 and 9: a picture of each scene, under its name, four in a row."""
+    """Figures 4 and 9: a picture of each scene, under its name, four in a row. The paths written: none without pictures."""
     scenes = [scene for scene in measured.scenes if (pictures / f"{scene}.png").exists()]
+    if not scenes:
+        return []
     columns, side, title = 4, 300, 34
     rows = -(-len(scenes) // columns)
     width, height = columns * side, rows * (side + title)
@@ -108,7 +110,7 @@ def contact_sheet(measured, pictures, path):
             f"plot {plot.quoted(str(pictures / f'{scene}.png'))} binary filetype=png with rgbimage",
         ]  # fmt: skip
     subprocess.run(["gnuplot"], input="\n".join([*lines, "unset multiplot", ""]), text=True, check=True)
-    return path
+    return [path]
 
 
 def table(heads, rows):
@@ -203,7 +205,7 @@ def write(out):
     if shutil.which("gnuplot") is None:
         print("no plots: gnuplot is not installed; later: figures.py OUT", file=sys.stderr)
         return [out / "tables.md"]
-    return [out / "tables.md", contact_sheet(measured, out / "pictures", out / "scenes.png"),
+    return [out / "tables.md", *contact_sheet(measured, out / "pictures", out / "scenes.png"),
             *plot.draw_figures(all_figures(measured), out)]  # fmt: skip
 
 
