@@ -15,7 +15,13 @@ SPARSE = "sparse"
 FIGURES = {256: "Figure 5", 512: "Figure 6", 1024: "Figure 7"}
 KERNELS = {"compute": "compute shaders, the usual way", "multipass": "three fragment shaders, pass after pass, as in the thesis"}
 STRUCTURES = ("uniform", "cloud", "ours")
-SHOWN = ("scenes.png", "times-compute.png", "times-multipass.png", "gain.png", "sparse.png")
+SHOWN = {
+    "scenes.png": "The scenes",
+    "times-compute.png": "Milliseconds a picture, compute shaders",
+    "times-multipass.png": "Milliseconds a picture, fragment shaders",
+    "gain.png": "What empty space gains, in time and in steps",
+    "sparse.png": "The sparse scene",
+}
 
 
 class Measured:
@@ -210,13 +216,14 @@ def write(out):
 
 
 def update_page(out, page):
-    """Puts the tables between the page's marks and the pictures beside it."""
-    text = page.read_text(encoding="utf-8")
+    """Puts the tables and the pictures between the page's marks, and the pictures' files beside it."""
+    drawn = [name for name in SHOWN if (out / name).exists()]
+    for name in drawn:
+        shutil.copy(out / name, page.parent / name)
+    found = (out / "tables.md").read_text(encoding="utf-8") + "\n" + "".join(f"![{SHOWN[name]}]({name})\n" for name in drawn)
     marks = re.compile(r"(<!-- tables -->\n).*(<!-- end of tables -->)", re.DOTALL)
-    page.write_text(marks.sub(lambda m: f"{m[1]}{(out / 'tables.md').read_text(encoding='utf-8')}{m[2]}", text), encoding="utf-8")
-    for name in SHOWN:
-        if (out / name).exists():
-            shutil.copy(out / name, page.parent / name)
+    text = page.read_text(encoding="utf-8")
+    page.write_text(marks.sub(lambda m: f"{m[1]}{found}{m[2]}", text), encoding="utf-8")
 
 
 if __name__ == "__main__":
