@@ -15,7 +15,13 @@ SPARSE = "sparse"
 FIGURES = {256: "Figure 5", 512: "Figure 6", 1024: "Figure 7"}
 KERNELS = {"compute": "compute shaders, the usual way", "multipass": "three fragment shaders, pass after pass, as in the thesis"}
 STRUCTURES = ("uniform", "cloud", "ours")
-SHOWN = ("scenes.png", "times-compute.png", "times-multipass.png", "gain.png", "sparse.png")
+SHOWN = {
+    "scenes.png": "The scenes",
+    "times-compute.png": "Milliseconds a picture, compute shaders",
+    "times-multipass.png": "Milliseconds a picture, fragment shaders",
+    "gain.png": "What empty space gains, in time and in steps",
+    "sparse.png": "The sparse scene",
+}
 
 
 class Measured:
@@ -37,13 +43,14 @@ class Measured:
         """(scene, grid of the thesis' structures) of all that was measured."""
         return [(scene, grid) for scene in self.scenes for grid in self.values("grid", scene=scene, structure="cloud")]
 
-    def number(self, key, case, structure, kernel="compute", size=None):
-        """NaN where it was not measured. Ours has a grid of its own; without a size it is the largest picture."""
+    def number(self, key, case, structure, kernel=None, size=None):
+        """NaN where it was not measured. Ours has a grid of its own; by itself it is the first kernel's largest picture."""
         scene, grid = case
-        row = self.by_case.get((scene, structure, "" if structure == "ours" else grid, kernel, size or self.sizes[-1]))
+        own = "" if structure == "ours" else grid
+        row = self.by_case.get((scene, structure, own, kernel or self.kernels[0], size or self.sizes[-1]))
         return float(row[key]) if row and row[key] else math.nan
 
-    def gain(self, case, structure, kernel="compute", key="ms"):
+    def gain(self, case, structure, kernel=None, key="ms"):
         """How many times as much uniform takes."""
         return self.number(key, case, "uniform", kernel) / self.number(key, case, structure, kernel)
 
@@ -90,8 +97,10 @@ def all_figures(measured):
 
 
 def contact_sheet(measured, pictures, path):
-    """Figures 4 and 9: a picture of each scene, under its name, four in a row."""
+    """Figures 4 and 9: a picture of each scene, under its name, four in a row. The paths written: none without pictures."""
     scenes = [scene for scene in measured.scenes if (pictures / f"{scene}.png").exists()]
+    if not scenes:
+        return []
     columns, side, title = 4, 300, 34
     rows = -(-len(scenes) // columns)
     width, height = columns * side, rows * (side + title)
@@ -107,7 +116,7 @@ def contact_sheet(measured, pictures, path):
             f"plot {plot.quoted(str(pictures / f'{scene}.png'))} binary filetype=png with rgbimage",
         ]  # fmt: skip
     subprocess.run(["gnuplot"], input="\n".join([*lines, "unset multiplot", ""]), text=True, check=True)
-    return path
+    return [path]
 
 
 def table(heads, rows):
@@ -135,7 +144,7 @@ def scene_table(measured):
     for case in measured.cases():
         kilobytes = [shown(measured.number("structure_bytes", case, structure) / 1e3, ",.0f") for structure in STRUCTURES[1:]]
         lines.append([
-            case[0], f"{int(measured.number('triangles', case, 'cloud')):,}", f"{case[1]}³",
+            case[0], shown(measured.number("triangles", case, "cloud"), ",.0f"), f"{case[1]}³",
             shown(100 * measured.number("empty", case, "cloud"), ".1f") + " %",
             shown(measured.number("proximity_max", case, "cloud"), ".0f"),
             shown(measured.number("proximity_mean", case, "cloud"), ".1f"),
@@ -202,18 +211,19 @@ def write(out):
     if shutil.which("gnuplot") is None:
         print("no plots: gnuplot is not installed; later: figures.py OUT", file=sys.stderr)
         return [out / "tables.md"]
-    return [out / "tables.md", contact_sheet(measured, out / "pictures", out / "scenes.png"),
+    return [out / "tables.md", *contact_sheet(measured, out / "pictures", out / "scenes.png"),
             *plot.draw_figures(all_figures(measured), out)]  # fmt: skip
 
 
 def update_page(out, page):
-    """Puts the tables between the page's marks and the pictures beside it."""
-    text = page.read_text(encoding="utf-8")
+    """Puts the tables and the pictures between the page's marks, and the pictures' files beside it."""
+    drawn = [name for name in SHOWN if (out / name).exists()]
+    for name in drawn:
+        shutil.copy(out / name, page.parent / name)
+    found = (out / "tables.md").read_text(encoding="utf-8") + "\n" + "".join(f"![{SHOWN[name]}]({name})\n" for name in drawn)
     marks = re.compile(r"(<!-- tables -->\n).*(<!-- end of tables -->)", re.DOTALL)
-    page.write_text(marks.sub(lambda m: f"{m[1]}{(out / 'tables.md').read_text(encoding='utf-8')}{m[2]}", text), encoding="utf-8")
-    for name in SHOWN:
-        if (out / name).exists():
-            shutil.copy(out / name, page.parent / name)
+    text = page.read_text(encoding="utf-8")
+    page.write_text(marks.sub(lambda m: f"{m[1]}{found}{m[2]}", text), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -93,7 +93,7 @@ class Thesis(bench.SceneRunner):
         kernel, size = row["kernel"], row["size"]
         picture, reference = folder / "picture.exr", folder / f"{size}.exr"
         report = self.details / f"{scene['name']}-{atlas.stem}-{kernel}-{size}.json"
-        choice = ["--kernel", kernel] if len(self.options.kernels) > 1 else []
+        choice = ["--kernel", kernel] if self.options.chooses_kernel else []
         passes = self.passes_for(row)
         repeat = ["--repeat", passes] if passes else []
         stats = ["--stats"] if kernel == "compute" else []  # the other one takes the same steps
@@ -144,12 +144,15 @@ def parse():
 
 def complete(options):
     options.sizes = [options.size] if options.size else None
+    repeat = options.repeat
     bench.complete(options, TOOLS, max(SIZES))
     if options.reduced:
         options.sizes = options.sizes or [REDUCED_SIZE]
         options.size = options.sizes[0]
-        options.repeat = 0 if options.repeat == 1 else options.repeat
-    options.kernels = options.kernels or bench.help_choices(options.tools / "rt-trace", "kernel") or ["compute"]
+        options.repeat = repeat or 0  # without warming up
+    kernels = bench.help_choices(options.tools / "rt-trace", "kernel")
+    options.chooses_kernel = bool(kernels)
+    options.kernels = options.kernels or kernels or ["compute"]
 
 
 def main():
@@ -157,9 +160,11 @@ def main():
     complete(options)
     thesis = Thesis(options)
     results = options.out / "thesis.csv"
-    thesis.run_scenes(bench.named_scenes(options.scenes, HERE), lambda: bench.write_csv(results, COLUMNS, thesis.rows, options.append))
+    scenes = bench.named_scenes(options.scenes, HERE)
     if options.meshes_only:
+        thesis.run_scenes(scenes, lambda: None)
         return print(thesis.meshes)
+    thesis.run_scenes(scenes, lambda: bench.write_csv(results, COLUMNS, thesis.rows, options.append))
     for path in (results, *figures.write(options.out)):
         print(path)
     thesis.exit_with_faults()

@@ -429,6 +429,20 @@ TEST_F(PictureCommand, PixelsThatAreNotFiniteAreCounted) {
     EXPECT_THAT(result.err, HasSubstr("pixels have channels that are no finite numbers"));
 }
 
+TEST_F(PictureCommand, RepeatedPicturesAreTheSameAndTimed) {
+    render("once.exr", {"--spp", "2"});
+    render("thrice.exr", {"--spp", "2", "--repeat", "3"});
+    EXPECT_EQ(bytesOf("once.exr"), bytesOf("thrice.exr"));
+    const auto json = figures({"--size", "32", "--repeat", "3"});
+    EXPECT_EQ(json.at("repeat"), 3);
+    EXPECT_GT(json.at("minMs").get<double>(), 0.0);
+    EXPECT_LE(json.at("minMs").get<double>(), json.at("gpuMs").get<double>());
+    EXPECT_EQ(json.at("samples").at("total"), 32 * 32);
+    expectUsage({"--repeat", "2", "--time-limit", "1"}, "--repeat does not go with --time-limit");
+    expectUsage({"--repeat", "2", "--checkpoint", out.file("c")}, "--repeat does not go with");
+    EXPECT_EQ(trace({"--list-cameras", "--repeat", "2"}).exitCode, 2);
+}
+
 // Each would do nothing.
 TEST_F(PictureCommand, OptionsWithoutAnEffectAreUsage) {
     expectUsage({"--focus", "3"}, "--focus needs --lens-radius");
