@@ -225,6 +225,22 @@ TEST_F(ImportCli, OversizedTextureExitsWith5) {
     EXPECT_EQ(folder_.entryCount(), 3u);
 }
 
+TEST_F(ImportCli, AnImageThatMemoryDoesNotSufficeForIsNamed) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer needs the address space";
+#endif
+    write("m.mtl", "newmtl m\nmap_Kd huge.bmp\n");
+    const std::string model = write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+    std::string bmp("BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\0\x40\0\0\0\x40\0\0\1\0\x18\0", 30);
+    bmp.resize(54, '\0');
+    write("huge.bmp", bmp); // 16384 x 16384 pixels, of which there are none
+    const CommandResult result = run({model, "-o", folder_.file("out.rtmesh"), "--max-memory", "600M"});
+    EXPECT_EQ(result.exitCode, 5);
+    EXPECT_THAT(result.err, HasSubstr("huge.bmp: memory does not suffice to decode this image of 16384x16384 "
+                                      "pixels (54 bytes as a file); raise --max-memory"));
+    EXPECT_EQ(folder_.entryCount(), 3u);
+}
+
 TEST_F(ImportCli, VersionNamesTheLibraries) {
     const CommandResult result = run({"--version"});
     EXPECT_EQ(result.exitCode, 0);

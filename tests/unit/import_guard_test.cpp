@@ -85,6 +85,19 @@ TEST(ImportGuard, CrashesAreInvalidContent) {
         });
 }
 
+TEST(ImportGuard, AChildThatIsKilledFromOutsideIsNotCalledDamaged) {
+    for (const auto& [signal, says] :
+         {std::pair(SIGKILL, "was stopped from outside (signal 9, Killed); if the "
+                             "system ran out of memory"),
+          {SIGTERM, "was stopped from outside (signal 15, Terminated)"}})
+        expectError(ErrorKind::LimitExceeded, says, [signal = signal] {
+            start([signal](GuardProcess&) {
+                std::signal(SIGTERM, SIG_DFL);
+                return raise(signal);
+            })->wait();
+        });
+}
+
 TEST(ImportGuard, TimeIsLimited) {
     expectError(ErrorKind::LimitExceeded, "0.2 s", [] {
         start(

@@ -48,8 +48,9 @@ public:
     void send(const Mesh& mesh, const std::string& message);
 
     /// Parent: waits for the child's end, passes on what it wrote to standard error, and returns its exit
-    /// code. Throws Error{InvalidContent} if the child was killed by a signal, and Error{LimitExceeded} if it
-    /// used up its time or memory; nothing that it printed is shown then. No more than 1 MiB is, in any case.
+    /// code. Throws Error{InvalidContent} if the child crashed, and Error{LimitExceeded} if it used up its
+    /// time or memory or was killed from outside; nothing that it printed is shown then. No more than 1 MiB
+    /// is, in any case.
     int wait();
     /// Parent, after wait() returned 0. Throws Error{InvalidContent} if that is no valid mesh, or the message
     /// longer than 64 MiB.

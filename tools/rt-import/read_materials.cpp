@@ -47,8 +47,7 @@ void readMtlOptics(const aiMaterial& source, int illum, Material& material) {
               1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f), glass && ior <= 1.0f ? kGlassIor : ior);
     const auto metallic = findNumber(source, {AI_MATKEY_METALLIC_FACTOR});   // Pm
     const auto roughness = findNumber(source, {AI_MATKEY_ROUGHNESS_FACTOR}); // Pr
-    const bool textured = findText(source, {AI_MATKEY_TEXTURE(aiTextureType_METALNESS, 0)}).has_value();
-    material.reflection.x = textured ? 0.0f : share(metallic.value_or(0.0f));
+    material.reflection.x = share(metallic.value_or(0.0f));
     material.reflection.y = share(roughness.value_or(material.reflection.y));
     material.reflection.z = illum == 5 || illum == 7 || metallic || roughness ? 1.0f : 0.0f;
 }
@@ -159,7 +158,6 @@ MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& 
     if (findInteger(source, kGltfUnlit).value_or(0) != 0) keepBaseColorOnly(result);
     markClear(result);
     for (const TextureUse use : keepOneSetOfCoordinates(result.textures)) {
-        dropTexture(result, use);
         lost.push_back(fmt::format("{} texture, which uses other texture coordinates,", nameOf(use)));
     }
     for (const std::string& what : lost)
@@ -182,13 +180,6 @@ void markClear(MaterialSource& source) {
     const bool clear = source.material.baseColor.w < 1.0f || (colors && !colors->alphaName.empty());
     source.material.more.y =
         clear ? source.material.more.y | kMaterialClear : source.material.more.y & ~kMaterialClear;
-}
-
-void dropTexture(MaterialSource& source, TextureUse use) {
-    textureOf(source, use).reset();
-    if (use == TextureUse::Roughness) source.material.reflection.x = 0.0f; // metallic
-    if (use == TextureUse::Emission) source.material.emission = vec4(0.0f);
-    if (use == TextureUse::Transmission) source.material.transmission.x = 0.0f;
 }
 
 } // namespace rt
