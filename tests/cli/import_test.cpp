@@ -123,7 +123,13 @@ TEST_F(ImportCli, OutputsDoNotReplaceTheModelsOtherFiles) {
 TEST_F(ImportCli, AReportThatCannotBeWrittenLeavesNoMeshEither) {
     const std::string model = write("m.obj", kTriangle);
     EXPECT_EQ(run({model, "-o", folder_.file("x.rtmesh"), "--json", folder_.file("no/x.json")}).exitCode, 3);
-    EXPECT_EQ(folder_.entryCount(), 1u);
+    for (const char* option :
+         {"--json", "--depfile"}) { // in /proc, which even root can only find out by trying
+        const CommandResult result = run({model, "-o", folder_.file("x.rtmesh"), option, "/proc/x.json"});
+        EXPECT_EQ(result.exitCode, 3);
+        EXPECT_THAT(result.err, HasSubstr("/proc/x.json"));
+        EXPECT_EQ(folder_.entryCount(), 1u);
+    }
 }
 
 TEST_F(ImportCli, UnreadableFilesExitWith3) {
