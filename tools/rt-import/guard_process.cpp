@@ -134,7 +134,7 @@ void GuardProcess::Impl::becomeChild(pid_t parent) {
 #ifndef __SANITIZE_ADDRESS__ // whose shadow memory takes more address space than any machine has memory
     limit(RLIMIT_AS, limits.memory.bytes);
     limit(RLIMIT_FSIZE, limits.memory.bytes); // of the files in memory, which are no address space
-    enterSandbox();
+    enterSandbox(limits.readable);
 #endif
 }
 

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace rt {
 
@@ -18,6 +19,7 @@ inline constexpr std::uint64_t kMemoryPerByte = 100;
 struct GuardLimits {
     MemoryLimit memory = readingMemoryLimit(0); ///< of the address space, and of what is handed over
     double seconds = 300.0;
+    std::vector<std::string> readable = {}; ///< files and folders that may be read, and what is below them
 };
 
 /// What a child handed over, checked.

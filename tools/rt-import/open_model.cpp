@@ -5,6 +5,7 @@
 #include "tools/rt-import/check_collada.h"
 #include "tools/rt-import/correct_3ds.h"
 #include "tools/rt-import/cut_polygons.h"
+#include "tools/rt-import/import_model.h"
 #include "tools/rt-import/mend_mtl.h"
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/model_formats.h"
@@ -144,15 +145,14 @@ struct OpenModel::Impl {
     std::vector<CutPolygons> polygons; // of each mesh
 };
 
-OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats,
-                     ModelFolder& folder, std::vector<std::string>& warnings,
-                     const std::function<void(double)>& progress)
+OpenModel::OpenModel(const std::string& path, const ImportSettings& settings, ModelFolder& folder,
+                     std::vector<std::string>& warnings)
     : impl_(std::make_unique<Impl>()) {
-    requireReadable(path, allowedFormats);
+    requireReadable(path, settings.allowedFormats);
     Assimp::Importer& importer = impl_->importer;
     auto* io = new FolderIO(folder, warnings);
     importer.SetIOHandler(io); // which owns it from here on, and the next one too
-    importer.SetProgressHandler(new LoaderProgress(progress));
+    importer.SetProgressHandler(new LoaderProgress(settings.progress));
     keepLoadersOf(lowerExtension(path), importer);
     const auto requireScene = [&] {
         if (impl_->scene && impl_->scene->mRootNode) return;
@@ -168,7 +168,7 @@ OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& al
     requireScene();
     // The importer owns the scene and hands it out for reading only, but made it to be processed further.
     auto& unfinished = const_cast<aiScene&>(*impl_->scene);
-    if (lowerExtension(path) == "3ds") correct3ds(readFile(path), unfinished);
+    if (lowerExtension(path) == "3ds") correct3ds(readFile(path), !settings.repair.creaseDegrees, unfinished);
     impl_->polygons = listPolygons(unfinished);
     impl_->scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     requireScene();

@@ -133,7 +133,7 @@ SceneParts readModel(const PlacedModel& model, const ImportSettings& settings, O
                      ModelFolder& folder, ImportReport& report, std::vector<std::string>& warnings,
                      StageTimer& timer) {
     timer.begin("read");
-    const OpenModel opened(model.path, settings.allowedFormats, folder, warnings, settings.progress);
+    const OpenModel opened(model.path, settings, folder, warnings);
     const aiScene& scene = opened.scene();
     const std::vector<MeshInstance> instances = listInstances(scene, model.placements);
     warnOfLost(scene, warnings);
