@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <climits>
@@ -139,21 +140,27 @@ std::string directoryOf(const std::string& path) {
     return slash == std::string::npos ? "." : path.substr(0, slash + 1);
 }
 
-// What removeUnfinishedFile() has to remove.
-char unfinishedPath[PATH_MAX];
-std::atomic<bool> unfinishedExists{false};
+// What removeUnfinishedFiles() has to remove.
+struct UnfinishedFile {
+    char path[PATH_MAX];
+    std::atomic<bool> exists{false};
+};
+std::array<UnfinishedFile, 4> unfinishedFiles; // as many as any tool writes at a time
 
 // A temporary file that goes unless it is renamed, by a signal too.
 class TemporaryFile {
 public:
     explicit TemporaryFile(std::string name) : name_(std::move(name)) {
-        if (name_.size() >= sizeof unfinishedPath) return;
-        std::memcpy(unfinishedPath, name_.c_str(), name_.size() + 1);
-        unfinishedExists = true;
+        const auto free = std::find_if(unfinishedFiles.begin(), unfinishedFiles.end(),
+                                       [](const UnfinishedFile& file) { return !file.exists; });
+        if (free == unfinishedFiles.end() || name_.size() >= sizeof free->path) return;
+        std::memcpy(free->path, name_.c_str(), name_.size() + 1);
+        free->exists = true;
+        mark_ = &free->exists;
     }
     ~TemporaryFile() {
         if (!renamed_) unlink(name_.c_str());
-        unfinishedExists = false;
+        if (mark_) *mark_ = false;
     }
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
@@ -164,6 +171,7 @@ public:
 
 private:
     std::string name_;
+    std::atomic<bool>* mark_ = nullptr;
     bool renamed_ = false;
 };
 
@@ -192,22 +200,20 @@ void writeContent(int fd, const Content& content, const std::string& path) {
     if (fsync(fd) != 0 && errno != EINVAL && errno != EROFS) throwSystem(path, "sync");
 }
 
-// False where the system has no unnamed files or cannot name them: that takes /proc.
-bool replaceByUnnamed(const std::string& path, const Content& content) {
+// Null where the system has no unnamed files or cannot name them: that takes /proc.
+std::unique_ptr<TemporaryFile> makeUnnamed(const std::string& path, const Content& content) {
     const FileDescriptor file(
         open(directoryOf(path).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, content.creationMode()));
     const std::string self = fmt::format("/proc/self/fd/{}", file.get());
-    if (file.get() < 0 || access(self.c_str(), F_OK) != 0) return false;
+    if (file.get() < 0 || access(self.c_str(), F_OK) != 0) return nullptr;
     writeContent(file.get(), content, path);
     std::string name = makeUnderFreeName(path, [&](const char* free) {
         return linkat(AT_FDCWD, self.c_str(), AT_FDCWD, free, AT_SYMLINK_FOLLOW) == 0;
     });
-    if (name.empty()) return false;
-    TemporaryFile(std::move(name)).renameTo(path);
-    return true;
+    return name.empty() ? nullptr : std::make_unique<TemporaryFile>(std::move(name));
 }
 
-void replaceByNamed(const std::string& path, const Content& content) {
+std::unique_ptr<TemporaryFile> makeNamed(const std::string& path, const Content& content) {
     int fd = -1;
     std::string name = makeUnderFreeName(path, [&](const char* free) {
         fd = open(free, O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, content.creationMode());
@@ -215,9 +221,43 @@ void replaceByNamed(const std::string& path, const Content& content) {
     });
     if (fd < 0) throwSystem(path, "create");
     const FileDescriptor file(fd);
-    TemporaryFile temporary(std::move(name));
+    auto temporary = std::make_unique<TemporaryFile>(std::move(name));
     writeContent(fd, content, path);
-    temporary.renameTo(path);
+    return temporary;
+}
+
+// A file that is written and lacks only its name.
+struct StagedFile {
+    std::string path;
+    std::unique_ptr<TemporaryFile> file; // null: it holds these bytes already
+};
+
+StagedFile stage(const OutputFile& output) {
+    struct stat info {};
+    const bool exists = stat(output.path.c_str(), &info) == 0;
+    if (exists && holdsAlready(output.path, output.chunks)) return {};
+    char* resolved = exists ? realpath(output.path.c_str(), nullptr) : nullptr; // a link stays a link
+    const std::string path = resolved ? resolved : output.path;
+    std::free(resolved);
+    const Content content{output.chunks, exists ? std::optional<mode_t>(info.st_mode & 0777) : std::nullopt};
+    auto unnamed = makeUnnamed(path, content);
+    return {path, unnamed ? std::move(unnamed) : makeNamed(path, content)};
+}
+
+// Standard output, a device or a pipe: nothing that can be replaced.
+bool isStream(const std::string& path) {
+    struct stat info {};
+    if (path == "-" || stat(path.c_str(), &info) != 0) return path == "-";
+    if (S_ISDIR(info.st_mode)) throw Error(ErrorKind::FileAccess, path + ": is a directory, not a file");
+    return !S_ISREG(info.st_mode);
+}
+
+void writeStream(const OutputFile& output) {
+    const bool standard = output.path == "-";
+    const FileDescriptor file(standard ? -1 : open(output.path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (!standard && file.get() < 0) throwSystem(output.path, "open");
+    for (const auto& chunk : output.chunks)
+        writeAll(standard ? STDOUT_FILENO : file.get(), chunk, standard ? "standard output" : output.path);
 }
 
 } // namespace
@@ -241,27 +281,18 @@ SharedSpan<std::byte> readFile(const std::string& path, const StreamRule& rule) 
     return {std::span(static_cast<const std::byte*>(address), size), std::move(owner)};
 }
 
+void writeFiles(const std::vector<OutputFile>& outputs) {
+    std::vector<StagedFile> staged;
+    for (const OutputFile& output : outputs)
+        if (!isStream(output.path)) staged.push_back(stage(output));
+    for (const OutputFile& output : outputs)
+        if (isStream(output.path)) writeStream(output);
+    for (const StagedFile& ready : staged)
+        if (ready.file) ready.file->renameTo(ready.path);
+}
+
 void writeFile(const std::string& path, std::span<const std::span<const std::byte>> chunks) {
-    if (path == "-") {
-        for (const auto& chunk : chunks) writeAll(STDOUT_FILENO, chunk, "standard output");
-        return;
-    }
-    struct stat info {};
-    const bool exists = stat(path.c_str(), &info) == 0;
-    if (exists && S_ISDIR(info.st_mode))
-        throw Error(ErrorKind::FileAccess, path + ": is a directory, not a file");
-    if (exists && !S_ISREG(info.st_mode)) { // a device or a pipe cannot be replaced
-        const FileDescriptor file(open(path.c_str(), O_WRONLY | O_CLOEXEC));
-        if (file.get() < 0) throwSystem(path, "open");
-        for (const auto& chunk : chunks) writeAll(file.get(), chunk, path);
-        return;
-    }
-    if (exists && holdsAlready(path, chunks)) return;
-    char* resolved = exists ? realpath(path.c_str(), nullptr) : nullptr; // a symbolic link stays a link
-    const std::string target = resolved ? resolved : path;
-    std::free(resolved);
-    const Content content{chunks, exists ? std::optional<mode_t>(info.st_mode & 0777) : std::nullopt};
-    if (!replaceByUnnamed(target, content)) replaceByNamed(target, content);
+    writeFiles({{path, {chunks.begin(), chunks.end()}}});
 }
 
 void writeFile(const std::string& path, std::span<const std::byte> bytes) {
@@ -283,8 +314,9 @@ void requireWritable(const std::string& path) {
     if (access(written.c_str(), W_OK) != 0) throwSystem(path, "write");
 }
 
-void removeUnfinishedFile() {
-    if (unfinishedExists) unlink(unfinishedPath);
+void removeUnfinishedFiles() {
+    for (const UnfinishedFile& file : unfinishedFiles)
+        if (file.exists) unlink(file.path);
 }
 
 } // namespace rt

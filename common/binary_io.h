@@ -60,10 +60,18 @@ SharedSpan<std::byte> readFile(const std::string& path, const StreamRule& rule =
 /// What messages call an input: "-" is standard input.
 std::string inputName(const std::string& path);
 
-/// Writes the file whole or not at all: an unnamed (or, where the system has none, a temporary) file beside
-/// it is written, synced and renamed over it. A replaced file's permissions stay. A file that already holds
-/// these bytes keeps its time stamp. "-" is standard output; devices and pipes are written straight. One file
-/// is written at a time. Throws Error{FileAccess}.
+/// A file to write.
+struct OutputFile {
+    std::string path;
+    std::vector<std::span<const std::byte>> chunks;
+};
+
+/// Writes all of the files whole or, where one cannot be written, none: an unnamed (or, where the system has
+/// none, a temporary) file is written beside each and synced; then they are renamed over what was there. A
+/// replaced file's permissions stay. A file that already holds these bytes keeps its time stamp. "-" is
+/// standard output; that, devices and pipes are written straight, before the files get their names. Not for
+/// several threads at a time. Throws Error{FileAccess}.
+void writeFiles(const std::vector<OutputFile>& outputs);
 void writeFile(const std::string& path, std::span<const std::span<const std::byte>> chunks);
 void writeFile(const std::string& path, std::span<const std::byte> bytes);
 void writeFile(const std::string& path, std::string_view text);
@@ -72,8 +80,8 @@ void writeFile(const std::string& path, std::string_view text);
 /// the path is a folder. For tools to ask of all outputs before they do the work. Nothing is touched.
 void requireWritable(const std::string& path);
 
-/// Removes the temporary file that a running writeFile() has made, if any. For signal handlers:
+/// Removes the temporary files that a running writeFiles() has made, if any. For signal handlers:
 /// async-signal-safe.
-void removeUnfinishedFile();
+void removeUnfinishedFiles();
 
 } // namespace rt

@@ -1,6 +1,5 @@
 #include "common/command_line.h"
 
-#include "common/binary_io.h"
 #include "common/error.h"
 #include "common/log.h"
 
@@ -40,10 +39,14 @@ std::vector<std::string> split(const std::string& text, char separator) {
     return parts;
 }
 
+// A backslash stands for itself, but for those right before a character that takes one.
 std::string escapeForMake(const std::string& path) {
     std::string escaped;
-    for (char c : path) {
-        if (c == ' ' || c == '#') escaped += '\\';
+    for (const char c : path) {
+        if (std::string_view(" \t#:|").find(c) != std::string_view::npos) {
+            const std::size_t name = escaped.find_last_not_of('\\') + 1; // 0 for none
+            escaped.append(escaped.size() - name + 1, '\\');
+        }
         if (c == '$') escaped += '$';
         escaped += c;
     }
@@ -181,11 +184,10 @@ std::uint64_t parseByteSize(const std::string& text, const std::string& option) 
     return value << shift;
 }
 
-void writeDepfile(const std::string& path, const std::string& target,
-                  const std::vector<std::string>& inputs) {
+std::string depfileText(const std::string& target, const std::vector<std::string>& inputs) {
     std::string text = escapeForMake(target) + ":";
     for (const std::string& input : inputs) text += " \\\n  " + escapeForMake(input);
-    writeFile(path, text + "\n");
+    return text + "\n";
 }
 
 } // namespace rt

@@ -51,7 +51,8 @@ std::vector<unsigned> parseSizes(const std::string& text, std::size_t count, con
 /// Throws Error{Usage} naming `option`.
 std::uint64_t parseByteSize(const std::string& text, const std::string& option);
 
-/// Writes a Make/Ninja dependency file: `target: inputs...`, spaces and dollars escaped.
-void writeDepfile(const std::string& path, const std::string& target, const std::vector<std::string>& inputs);
+/// A dependency file: `target: inputs...`, escaped as GNU make and Ninja both read it. Neither can be given
+/// a name with a semicolon or a line break; Ninja 1.11 has no way to write tabs and * ? ' " & | either.
+std::string depfileText(const std::string& target, const std::vector<std::string>& inputs);
 
 } // namespace rt

@@ -26,13 +26,13 @@ std::size_t inputChangedLength = 0;
 // SIGBUS for an address inside a mapping: the file has become shorter than what was mapped.
 void onBusError(int, siginfo_t* info, void*) {
     if (info->si_code != BUS_ADRERR) return; // something else; it comes back at once and ends the program
-    removeUnfinishedFile();
+    removeUnfinishedFiles();
     [[maybe_unused]] const ssize_t put = write(STDERR_FILENO, inputChangedLine, inputChangedLength);
     _exit(static_cast<int>(ErrorKind::FileAccess));
 }
 
 void onStop(int signal) {
-    removeUnfinishedFile();
+    removeUnfinishedFiles();
     raise(signal); // by default now, once this handler has returned
 }
 

@@ -4,15 +4,25 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <cmath>
 
 namespace rt {
 namespace {
 
-CameraKey keyOf(const JsonNode& json, const CameraKey& usual) {
+constexpr double kLastFrame = 999'999.0;
+
+double frameOf(const JsonNode& json, const std::vector<CameraKey>& before) {
+    const double frame = json.number(0.0, kLastFrame);
+    if (frame != std::floor(frame)) json.fail(fmt::format("{} is no whole number, as frames are", frame));
+    if (!before.empty() && frame <= before.back().frame)
+        json.fail(fmt::format("{} does not come after {}, the frame before it", frame, before.back().frame));
+    return frame;
+}
+
+CameraKey keyOf(const JsonNode& json, const CameraKey& usual, const std::vector<CameraKey>& before) {
     json.allow({"frame", "eye", "lookAt", "up", "fov"});
     CameraKey key = usual;
-    key.frame = json.at("frame").number();
+    key.frame = frameOf(json.at("frame"), before);
     key.eye = json.at("eye").point();
     key.lookAt = json.at("lookAt").point();
     if (const auto up = json.find("up")) key.up = up->point();
@@ -32,13 +42,8 @@ double viewAngleOf(const JsonNode& json) {
 std::vector<CameraKey> cameraPathOf(const JsonNode& json, const CameraKey& usual) {
     std::vector<CameraKey> keys;
     if (json.isArray())
-        for (const JsonNode& item : json.items()) keys.push_back(keyOf(item, usual));
+        for (const JsonNode& item : json.items()) keys.push_back(keyOf(item, usual, keys));
     if (keys.empty()) json.fail("is no JSON array of cameras {frame, eye, lookAt, up, fov}");
-    const auto before = [](const CameraKey& a, const CameraKey& b) { return a.frame < b.frame; };
-    std::sort(keys.begin(), keys.end(), before);
-    for (std::size_t i = 1; i < keys.size(); ++i)
-        if (keys[i].frame == keys[i - 1].frame)
-            json.fail(fmt::format("frame {} is there twice", keys[i].frame));
     return keys;
 }
 

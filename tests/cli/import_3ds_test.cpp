@@ -178,6 +178,23 @@ TEST_F(Thesis3ds, RendersAsItsAuthorPlacedIt) {
     EXPECT_LT(colorAt({0, -3, 0}).g, 1.0f);
 }
 
+// A roof whose halves meet at 23 degrees, less than the usual crease.
+TEST_F(Thesis3ds, WithoutSmoothingGroupsFacesAreFlatUnlessACreaseIsGiven) {
+    const std::string editor = material("grey", glm::vec3(0.5f)) +
+                               object("roof", mesh({{-1, 0, 0}, {0, 0, 0.2f}, {0, 1, 0.2f}, {1, 0, 0}},
+                                                   {{0, 1, 2}, {1, 3, 2}}, "grey"));
+    std::ofstream(folder_.file("roof.3ds"), std::ios::binary) << chunk(0x4D4D, chunk(0x3D3D, editor));
+    const auto verticesWith = [&](std::vector<std::string> options) {
+        std::vector<std::string> command{"rt-import", folder_.file("roof.3ds"), "-o",
+                                         folder_.file("r.rtmesh")};
+        command.insert(command.end(), options.begin(), options.end());
+        return run(command).err;
+    };
+    EXPECT_THAT(verticesWith({}), HasSubstr("2 triangles, 6 vertices"));
+    EXPECT_THAT(verticesWith({"--crease", "45"}), HasSubstr("2 triangles, 4 vertices"));
+    EXPECT_THAT(verticesWith({"--crease", "10"}), HasSubstr("2 triangles, 6 vertices"));
+}
+
 TEST_F(Thesis3ds, ABankedCameraTurnsThePicture) {
     render(30.0f);
     EXPECT_TRUE(isRed(colorAt({-3, -1, 1}, 30.0)) || isRed(colorAt({-3, -1, 1}, -30.0)));

@@ -123,7 +123,13 @@ TEST_F(ImportCli, OutputsDoNotReplaceTheModelsOtherFiles) {
 TEST_F(ImportCli, AReportThatCannotBeWrittenLeavesNoMeshEither) {
     const std::string model = write("m.obj", kTriangle);
     EXPECT_EQ(run({model, "-o", folder_.file("x.rtmesh"), "--json", folder_.file("no/x.json")}).exitCode, 3);
-    EXPECT_EQ(folder_.entryCount(), 1u);
+    for (const char* option :
+         {"--json", "--depfile"}) { // in /proc, which even root can only find out by trying
+        const CommandResult result = run({model, "-o", folder_.file("x.rtmesh"), option, "/proc/x.json"});
+        EXPECT_EQ(result.exitCode, 3);
+        EXPECT_THAT(result.err, HasSubstr("/proc/x.json"));
+        EXPECT_EQ(folder_.entryCount(), 1u);
+    }
 }
 
 TEST_F(ImportCli, UnreadableFilesExitWith3) {
@@ -222,6 +228,22 @@ TEST_F(ImportCli, OversizedTextureExitsWith5) {
     const CommandResult result = run({model, "-o", folder_.file("out.rtmesh")});
     EXPECT_EQ(result.exitCode, 5);
     EXPECT_THAT(result.err, HasSubstr("exceeds 16384"));
+    EXPECT_EQ(folder_.entryCount(), 3u);
+}
+
+TEST_F(ImportCli, AnImageThatMemoryDoesNotSufficeForIsNamed) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer needs the address space";
+#endif
+    write("m.mtl", "newmtl m\nmap_Kd huge.bmp\n");
+    const std::string model = write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+    std::string bmp("BM\0\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0\0\x40\0\0\0\x40\0\0\1\0\x18\0", 30);
+    bmp.resize(54, '\0');
+    write("huge.bmp", bmp); // 16384 x 16384 pixels, of which there are none
+    const CommandResult result = run({model, "-o", folder_.file("out.rtmesh"), "--max-memory", "600M"});
+    EXPECT_EQ(result.exitCode, 5);
+    EXPECT_THAT(result.err, HasSubstr("huge.bmp: memory does not suffice to decode this image of 16384x16384 "
+                                      "pixels (54 bytes as a file); raise --max-memory"));
     EXPECT_EQ(folder_.entryCount(), 3u);
 }
 

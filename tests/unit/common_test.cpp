@@ -80,6 +80,24 @@ TEST(WriteFile, StaleTemporaryFilesOfAKilledProcessDoNotBlockIt) {
     EXPECT_EQ(folder.entryCount(), 4u);
 }
 
+TEST(WriteFile, OfSeveralFilesAllAreWrittenOrNone) {
+    const test::TemporaryFolder folder;
+    writeFile(folder.file("b"), std::string_view("old"));
+    const std::string_view text = "new";
+    const auto output = [&](const std::string& path) {
+        return OutputFile{path, {std::as_bytes(std::span(text))}};
+    };
+    // No file can be made in /proc, whatever rights one has.
+    EXPECT_THROW(writeFiles({output(folder.file("a")), output(folder.file("b")), output("/proc/none")}),
+                 Error);
+    EXPECT_EQ(test::readText(folder.file("b")), "old");
+    EXPECT_EQ(folder.entryCount(), 1u);
+    writeFiles({output(folder.file("a")), output("/dev/null"), output(folder.file("b"))});
+    EXPECT_EQ(test::readText(folder.file("a")), "new");
+    EXPECT_EQ(test::readText(folder.file("b")), "new");
+    EXPECT_EQ(folder.entryCount(), 2u);
+}
+
 TEST(WriteFile, MissingFolderIsAFileAccessError) {
     const test::TemporaryFolder folder;
     try {
@@ -230,9 +248,10 @@ TEST(ParseByteSize, TakesSuffixes) {
 }
 
 TEST(Depfile, EscapesWhatMakeWouldRead) {
-    const test::TemporaryFolder folder;
-    writeDepfile(folder.file("d"), "out file", {"a b.obj", "c$d.mtl"});
-    EXPECT_EQ(test::readText(folder.file("d")), "out\\ file: \\\n  a\\ b.obj \\\n  c$$d.mtl\n");
+    EXPECT_EQ(depfileText("out file", {"a b.obj", "c$d.mtl"}),
+              "out\\ file: \\\n  a\\ b.obj \\\n  c$$d.mtl\n");
+    EXPECT_EQ(depfileText("C:x", {"#1|2", "a\\b", "a\\ b", "100%", "t\t"}),
+              "C\\:x: \\\n  \\#1\\|2 \\\n  a\\b \\\n  a\\\\\\ b \\\n  100% \\\n  t\\\t\n");
 }
 
 TEST(Stages, ThatRunAgainAddUpWhereTheyFirstRan) {

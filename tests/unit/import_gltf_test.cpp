@@ -156,22 +156,30 @@ TEST(ImportGltf, ExtensionsThatAreNotReadAreNamed) {
     EXPECT_THAT(files.import("m.gltf").report.warnings, ElementsAre(HasSubstr("KHR_materials_iridescence")));
 }
 
-TEST(ImportGltf, ATextureWithOtherCoordinatesIsNamedAndItsFactorCountsAsZero) {
+TEST(ImportGltf, ATextureWithOtherCoordinatesIsNamedAndItsFactorsStandAlone) {
     const ImportedModel model = importMaterial(R"({"pbrMetallicRoughness":{"baseColorTexture":{"index":0},
                            "metallicRoughnessTexture":{"index":1,"texCoord":1}}})");
     EXPECT_EQ(model.mesh.materials[0].images, glm::uvec4(0, kNoImage, kNoImage, kNoImage));
-    EXPECT_EQ(model.mesh.materials[0].reflection, glm::vec4(0, 1, 1, 0));
+    EXPECT_EQ(model.mesh.materials[0].reflection, glm::vec4(1, 1, 1, 0));
     EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("its roughness texture, which uses other")));
 }
 
-TEST(ImportGltf, AMissingImageOtherThanTheBaseColours) {
+TEST(ImportGltf, AMissingImageIsReplacedByItsFactor) {
     ModelFiles files;
-    files.write("m.gltf",
-                gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})",
-                             R"({"emissiveTexture":{"index":0},"emissiveFactor":[1,1,1]})", kExtensions));
+    files.write("m.gltf", gltfTriangle(files, {0, 0, 1}, R"({"mesh":0})",
+                                       R"({"emissiveTexture":{"index":0},"emissiveFactor":[1,0.5,0],
+                                 "pbrMetallicRoughness":{"metallicFactor":0.25,"roughnessFactor":0.75,
+                                                         "metallicRoughnessTexture":{"index":0}},
+                                 "extensions":{"KHR_materials_transmission":{"transmissionFactor":0.5,
+                                                         "transmissionTexture":{"index":0}}}})",
+                                       kExtensions));
     const ImportedModel model = files.import("m.gltf");
-    EXPECT_EQ(model.mesh.materials[0].emission, glm::vec4(0));
-    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("there is no emission image")));
+    EXPECT_EQ(model.mesh.materials[0].emission, glm::vec4(1, 0.5, 0, 0));
+    EXPECT_EQ(model.mesh.materials[0].reflection.x, 0.25f);
+    EXPECT_EQ(model.mesh.materials[0].reflection.y, 0.75f);
+    EXPECT_EQ(model.mesh.materials[0].transmission.x, 0.5f);
+    EXPECT_EQ(model.mesh.materials[0].more.x, kNoImage);
+    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("its factor stands alone (3 times)")));
 }
 
 // Corners have the coordinates (0.25, 0.5), (0, 0.25), (0.5, 0), v downwards as in glTF.

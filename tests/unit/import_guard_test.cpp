@@ -13,12 +13,15 @@
 #include <cerrno>
 #include <csignal>
 #include <fcntl.h>
+#include <filesystem>
 #include <fstream>
 #include <functional>
+#include <linux/landlock.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -35,7 +38,7 @@ constexpr bool kSandboxed = true;
 #endif
 
 GuardLimits limits(double seconds = 20.0) {
-    return {{std::uint64_t(1) << 30, "the test"}, seconds};
+    return {{std::uint64_t(1) << 30, "the test"}, seconds, {std::filesystem::temp_directory_path()}};
 }
 
 // Runs `work` in the child, which ends with what it returns.
@@ -80,6 +83,19 @@ TEST(ImportGuard, CrashesAreInvalidContent) {
         expectError(ErrorKind::InvalidContent, "crashed", [&] {
             start([&](GuardProcess&) {
                 std::signal(signal, SIG_DFL); // the sanitizers have other ideas
+                return raise(signal);
+            })->wait();
+        });
+}
+
+TEST(ImportGuard, AChildThatIsKilledFromOutsideIsNotCalledDamaged) {
+    for (const auto& [signal, says] :
+         {std::pair(SIGKILL, "was stopped from outside (signal 9, Killed); if the "
+                             "system ran out of memory"),
+          {SIGTERM, "was stopped from outside (signal 15, Terminated)"}})
+        expectError(ErrorKind::LimitExceeded, says, [signal = signal] {
+            start([signal](GuardProcess&) {
+                std::signal(SIGTERM, SIG_DFL);
                 return raise(signal);
             })->wait();
         });
@@ -218,6 +234,30 @@ TEST(ImportGuard, TheSandboxLetsNothingBeWrittenElsewhere) {
         EXPECT_EQ(guard->wait(), 0) << flags;
     }
     EXPECT_EQ(folder.entryCount(), 1u);
+}
+
+TEST(ImportGuard, TheSandboxLetsOnlyWhatIsNamedBeRead) {
+    if (!kSandboxed) GTEST_SKIP() << "there is no sandbox under the sanitizer";
+    if (syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION) < 0)
+        GTEST_SKIP() << "this kernel has no Landlock";
+    const test::TemporaryFolder folder;
+    for (const char* name : {"model", "other"}) {
+        std::filesystem::create_directory(folder.file(name));
+        std::ofstream(folder.file(name) + std::string("/f")) << "text";
+    }
+    std::ofstream(folder.file("input")) << "text";
+    std::filesystem::create_symlink("../other/f", folder.file("model/link"));
+    GuardLimits some = limits();
+    some.readable = {folder.file("model"), folder.file("input"), folder.file("none")};
+    const auto isRead = [&](const std::string& path) {
+        return start([&](GuardProcess&) { return open(path.c_str(), O_RDONLY) < 0 ? 1 : 0; }, some)->wait() ==
+               0;
+    };
+    EXPECT_TRUE(isRead(folder.file("model/f")));
+    EXPECT_TRUE(isRead(folder.file("input")));
+    EXPECT_FALSE(isRead(folder.file("other/f")));
+    EXPECT_FALSE(isRead(folder.file("model/link"))) << "leads out";
+    EXPECT_FALSE(isRead("/etc/passwd"));
 }
 
 TEST(ImportGuard, TheSandboxKillsWhatNoLoaderDoes) {

@@ -224,6 +224,22 @@ TEST_F(SceneFiles, OverridesGiveAndTakeTextures) {
     EXPECT_THAT(without.report.warnings, IsEmpty());
 }
 
+TEST_F(SceneFiles, AnInstanceMayHaveMaterialsOfItsOwn) {
+    const ImportedModel model = importText(R"({"models": [{"file": "t.obj",
+        "materials": [{"match": "stone", "roughness": 0.5, "ior": 3}],
+        "instances": [{}, {"translate": [1, 0, 0], "materials": [{"match": "sto*", "ior": 2}]}, {"translate": [2, 0, 0]},
+                      {"translate": [3, 0, 0]}]}]})");
+    const Mesh& mesh = model.mesh;
+    EXPECT_THAT(model.report.warnings, testing::IsEmpty());
+    ASSERT_EQ(mesh.triangles.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) {
+        EXPECT_EQ(mesh.positions[mesh.triangles[i].x].x, 1.0f + static_cast<float>(i)) << "in their order";
+        const Material& material = mesh.materials[mesh.triangleMaterial[i]];
+        EXPECT_EQ(material.transmission.y, i == 1 ? 2.0f : 3.0f);
+        EXPECT_EQ(material.reflection.y, 0.5f);
+    }
+}
+
 TEST_F(SceneFiles, PatternsMatchAllOfAName) {
     for (const auto& [pattern, name] : {std::pair("", ""),
                                         {"*", ""},
@@ -269,8 +285,8 @@ TEST_F(SceneFiles, CamerasOfAllKindsAndTheirPaths) {
         {"name": "near", "eye": [0, 0, 4], "lookAt": [0, 0, 0], "fov": 30, "lensRadius": 0.25},
         {"name": "plan", "kind": "orthographic", "eye": [0, 9, 0], "lookAt": [0, 0, 0], "up": [0, 0, -2], "height": 3},
         {"name": "round", "kind": "panorama", "eye": [0, 1, 0], "lookAt": [1, 1, 0]},
-        {"name": "tour", "fov": 50, "path": [{"frame": 9, "eye": [2, 0, 4], "lookAt": [0, 0, 0], "fov": 20},
-                                             {"frame": 1, "eye": [1, 0, 4], "lookAt": [0, 0, 0]}]}]})")
+        {"name": "tour", "fov": 50, "path": [{"frame": 1, "eye": [1, 0, 4], "lookAt": [0, 0, 0]},
+                                             {"frame": 9, "eye": [2, 0, 4], "lookAt": [0, 0, 0], "fov": 20}]}]})")
                           .mesh;
     ASSERT_EQ(mesh.cameras.size(), 4u);
     EXPECT_EQ(mesh.cameras[0].fovDegrees, 30.0);
@@ -432,7 +448,10 @@ TEST_F(SceneFiles, ErrorsNameTheirPlace) {
     EXPECT_THAT(model(R"("transform": {"matrix": [1,0,0,0,0,1,0,0,0,0,1,5,0,0,0,1]})"),
                 HasSubstr("last row"));
     EXPECT_THAT(model(R"("transform": {"matrix": [1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1], "scale": 2})"),
-                HasSubstr("'scale' is none of matrix"));
+                HasSubstr("/transform: has a matrix and translate, rotate or scale"));
+    EXPECT_THAT(model(R"("transform": {"materials": []})"), HasSubstr("'materials' is none of matrix"));
+    EXPECT_THAT(model(R"("instances": [{}, {"materials": [{"ior": 2}]}])"),
+                HasSubstr("/models/0/instances/1/materials/0: "));
     EXPECT_EQ(model(R"("instances": [{}, {"rotate": 90}])"),
               "/models/0/instances/1/rotate: is no object {axis, degrees}");
     EXPECT_THAT(model(R"("instances": [])"), HasSubstr("/models/0/instances: is empty"));
@@ -486,6 +505,16 @@ TEST_F(SceneFiles, ErrorsNameTheirPlace) {
         HasSubstr("/cameras/0: 'fov' is none of"));
     EXPECT_THAT(refusalWith(R"("cameras": [{"name": "c", "path": []}])"),
                 HasSubstr("/cameras/0/path: is no JSON array"));
+    const auto frames = [&](const std::string& first, const std::string& second) {
+        return refusalWith(
+            R"("cameras": [{"name": "c", "path": [{"eye": [0,0,1], "lookAt": [0,0,0], "frame": )" + first +
+            R"(}, {"eye": [0,0,2], "lookAt": [0,0,0], "frame": )" + second + "}]}]");
+    };
+    EXPECT_EQ(frames("1", "1"), "/cameras/0/path/1/frame: 1 does not come after 1, the frame before it");
+    EXPECT_EQ(frames("24", "12"), "/cameras/0/path/1/frame: 12 does not come after 24, the frame before it");
+    EXPECT_EQ(frames("1", "1.5"), "/cameras/0/path/1/frame: 1.5 is no whole number, as frames are");
+    EXPECT_THAT(frames("0", "1e18"), HasSubstr("/cameras/0/path/1/frame: 1e+18 is not between 0 and 999999"));
+    EXPECT_THAT(frames("-1", "2"), HasSubstr("/cameras/0/path/0/frame: -1 is not between 0 and 999999"));
     EXPECT_THAT(refusalWith(R"("environment": {})"), HasSubstr("/environment: needs either file or color"));
     EXPECT_THAT(refusalWith(R"("environment": {"file": "t.obj"})"),
                 HasSubstr("ends neither in .exr nor in .hdr"));

@@ -164,5 +164,17 @@ TEST_F(FloatTextures, DamageIsAWarning) {
     EXPECT_TRUE(mesh.images.empty());
 }
 
+TEST_F(FloatTextures, AnImageThatIsCutShortIsNamedWithItsSize) {
+    const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x40\0\0\0\x40\x08\x02\0\0\0", 29);
+    write("c.png", png);
+    importMaterial("map_Kd c.png\n");
+    EXPECT_THAT(warnings,
+                ElementsAre(HasSubstr("texture 'c.png' cannot be decoded: a PNG of 29 bytes, cut short")));
+    write("c.png", "these are words");
+    importMaterial("map_Kd c.png\n");
+    EXPECT_THAT(warnings,
+                ElementsAre(HasSubstr("texture 'c.png' cannot be decoded: 15 bytes of no known kind")));
+}
+
 } // namespace
 } // namespace rt

@@ -81,9 +81,23 @@ bool hasSmoothingGroups(std::span<const std::byte> bytes) {
     return false;
 }
 
+// Assimp gives each face vertices of its own. A face without area, which will be dropped, gets any normal.
+void makeFlat(aiMesh& mesh) {
+    for (const aiFace& face : std::span(mesh.mFaces, mesh.mNumFaces)) {
+        const std::span<const unsigned> corners(face.mIndices, face.mNumIndices);
+        if (corners.size() != 3 || std::ranges::max(corners) >= mesh.mNumVertices) continue;
+        const glm::dvec3 a(vec3Of(mesh.mVertices[corners[0]])), b(vec3Of(mesh.mVertices[corners[1]])),
+            c(vec3Of(mesh.mVertices[corners[2]]));
+        const glm::dvec3 across = glm::cross(b - a, c - a);
+        const double length = glm::length(across);
+        const glm::vec3 normal = length > 0.0 ? glm::vec3(across / length) : glm::vec3(0.0f, 0.0f, 1.0f);
+        for (const unsigned corner : corners) mesh.mNormals[corner] = {normal.x, normal.y, normal.z};
+    }
+}
+
 } // namespace
 
-void correct3ds(std::span<const std::byte> file, aiScene& scene) {
+void correct3ds(std::span<const std::byte> file, bool flat, aiScene& scene) {
     for (aiCamera* camera : std::span(scene.mCameras, scene.mNumCameras)) correctCamera(*camera);
     for (aiLight* light : std::span(scene.mLights, scene.mNumLights)) {
         light->mAttenuationConstant = 1.0f;
@@ -91,6 +105,10 @@ void correct3ds(std::span<const std::byte> file, aiScene& scene) {
     }
     if (hasSmoothingGroups(file)) return;
     for (aiMesh* mesh : std::span(scene.mMeshes, scene.mNumMeshes)) {
+        if (mesh->mNormals && flat) {
+            makeFlat(*mesh);
+            continue;
+        }
         delete[] mesh->mNormals;
         mesh->mNormals = nullptr;
     }

@@ -54,6 +54,19 @@ glm::dvec3 readScale(const JsonNode& json) {
     return json.isNumber() ? glm::dvec3(json.number()) : json.point();
 }
 
+glm::dmat4 transformOf(const JsonNode& json) {
+    const auto given = json.find("matrix"), move = json.find("translate"), turn = json.find("rotate"),
+               scale = json.find("scale");
+    if (given && (move || turn || scale)) json.fail("has a matrix and translate, rotate or scale");
+    glm::dmat4 matrix = given ? readMatrix(*given) : glm::dmat4(1.0);
+    if (move) matrix = glm::translate(matrix, move->point());
+    if (turn) matrix *= readRotation(*turn);
+    if (scale) matrix = glm::scale(matrix, readScale(*scale));
+    const double determinant = glm::determinant(glm::dmat3(matrix));
+    if (!std::isnormal(determinant)) json.fail("flattens or overflows what it moves");
+    return matrix;
+}
+
 // "direction", or "lookAt" as seen from the light's position.
 glm::dvec3 readDirection(const JsonNode& json, const glm::dvec3& position) {
     const auto direction = json.find("direction"), lookAt = json.find("lookAt");
@@ -164,19 +177,13 @@ glm::dmat4 yUpFrom(UpAxis axis) {
 }
 
 glm::dmat4 readTransform(const JsonNode& json) {
-    glm::dmat4 matrix(1.0);
-    if (const auto given = json.isObject() ? json.find("matrix") : std::nullopt) {
-        json.allow({"matrix"});
-        matrix = readMatrix(*given);
-    } else {
-        json.allow({"matrix", "translate", "rotate", "scale"});
-        if (const auto move = json.find("translate")) matrix = glm::translate(matrix, move->point());
-        if (const auto turn = json.find("rotate")) matrix *= readRotation(*turn);
-        if (const auto scale = json.find("scale")) matrix = glm::scale(matrix, readScale(*scale));
-    }
-    const double determinant = glm::determinant(glm::dmat3(matrix));
-    if (!std::isnormal(determinant)) json.fail("flattens or overflows what it moves");
-    return matrix;
+    json.allow({"matrix", "translate", "rotate", "scale"});
+    return transformOf(json);
+}
+
+glm::dmat4 readInstance(const JsonNode& json) {
+    json.allow({"matrix", "translate", "rotate", "scale", "materials"});
+    return transformOf(json);
 }
 
 Light readLight(const JsonNode& json) {

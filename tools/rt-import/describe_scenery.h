@@ -21,6 +21,8 @@ glm::dmat4 yUpFrom(UpAxis axis);
 /// {"matrix": 16 numbers, column by column} or {"translate", "rotate", "scale"}: scaled first, then turned,
 /// then moved. Throws Error{InvalidContent} for one that flattens.
 glm::dmat4 readTransform(const JsonNode& json);
+/// The same of an instance, which may have "materials" besides.
+glm::dmat4 readInstance(const JsonNode& json);
 
 /// A light or a camera in the scene file's coordinates.
 Light readLight(const JsonNode& json);

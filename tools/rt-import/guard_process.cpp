@@ -134,7 +134,7 @@ void GuardProcess::Impl::becomeChild(pid_t parent) {
 #ifndef __SANITIZE_ADDRESS__ // whose shadow memory takes more address space than any machine has memory
     limit(RLIMIT_AS, limits.memory.bytes);
     limit(RLIMIT_FSIZE, limits.memory.bytes); // of the files in memory, which are no address space
-    enterSandbox();
+    enterSandbox(limits.readable);
 #endif
 }
 
@@ -155,18 +155,27 @@ bool GuardProcess::Impl::waitForEnd() {
 void GuardProcess::Impl::throwIfKilled(int status) const {
     if (!WIFSIGNALED(status)) return;
     const int signal = WTERMSIG(status);
-    if (signal == SIGKILL || signal == SIGXFSZ)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: reading it took more memory than there is or than --max-memory allows, "
-                                "{} bytes ({}); it is damaged or too large",
-                                name, limits.memory.bytes, limits.memory.origin));
+    const bool crashed = signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS || signal == SIGFPE ||
+                         signal == SIGILL || signal == SIGTRAP;
+    if (crashed)
+        throw Error(ErrorKind::InvalidContent,
+                    fmt::format("{}: its loader crashed ({}); the file is damaged", name, strsignal(signal)));
     if (signal == SIGSYS)
         throw Error(ErrorKind::InvalidContent,
                     fmt::format("{}: its loader did what no loader needs to do and was stopped; the file is "
                                 "damaged, or made to do harm",
                                 name));
-    throw Error(ErrorKind::InvalidContent,
-                fmt::format("{}: its loader crashed ({}); the file is damaged", name, strsignal(signal)));
+    if (signal == SIGXFSZ)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: what was made of it exceeds --max-memory, {} bytes ({}); it is damaged "
+                                "or too large",
+                                name, limits.memory.bytes, limits.memory.origin));
+    throw Error(ErrorKind::LimitExceeded,
+                fmt::format("{}: the process that read it was stopped from outside (signal {}, {}){}", name,
+                            signal, strsignal(signal),
+                            signal == SIGKILL ? "; if the system ran out of memory, lower --max-memory or "
+                                                "give it more"
+                                              : ""));
 }
 
 MemoryLimit readingMemoryLimit(std::uint64_t fileBytes) {

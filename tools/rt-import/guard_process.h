@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace rt {
 
@@ -18,6 +19,7 @@ inline constexpr std::uint64_t kMemoryPerByte = 100;
 struct GuardLimits {
     MemoryLimit memory = readingMemoryLimit(0); ///< of the address space, and of what is handed over
     double seconds = 300.0;
+    std::vector<std::string> readable = {}; ///< files and folders that may be read, and what is below them
 };
 
 /// What a child handed over, checked.
@@ -48,8 +50,9 @@ public:
     void send(const Mesh& mesh, const std::string& message);
 
     /// Parent: waits for the child's end, passes on what it wrote to standard error, and returns its exit
-    /// code. Throws Error{InvalidContent} if the child was killed by a signal, and Error{LimitExceeded} if it
-    /// used up its time or memory; nothing that it printed is shown then. No more than 1 MiB is, in any case.
+    /// code. Throws Error{InvalidContent} if the child crashed, and Error{LimitExceeded} if it used up its
+    /// time or memory or was killed from outside; nothing that it printed is shown then. No more than 1 MiB
+    /// is, in any case.
     int wait();
     /// Parent, after wait() returned 0. Throws Error{InvalidContent} if that is no valid mesh, or the message
     /// longer than 64 MiB.

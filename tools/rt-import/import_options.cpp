@@ -50,9 +50,12 @@ void declareRepair(CLI::App& app, ImportOptions& options) {
         ->check(numberBetween(0.0, 1e30))
         ->capture_default_str()
         ->type_name("DISTANCE");
-    app.add_option("--crease", repair.creaseDegrees, "Angle from which generated normals keep an edge sharp")
+    app.add_option(
+           "--crease", repair.creaseDegrees,
+           "Angle from which generated normals keep an edge sharp; given, it also smooths 3DS files without "
+           "smoothing groups, which are flat")
         ->check(numberBetween(0.0, 180.0))
-        ->capture_default_str()
+        ->default_str(fmt::format("{:g}", kUsualCrease))
         ->type_name("DEG");
     app.add_option(
            "--decimate", repair.decimateRatio,
@@ -109,7 +112,7 @@ void checkSources(const SceneSources& sources) {
 
 void requireSound(const ImportOptions& options) {
     const RepairOptions& repair = options.settings.repair;
-    for (const auto& [name, value] : {std::pair("--crease", repair.creaseDegrees),
+    for (const auto& [name, value] : {std::pair("--crease", repair.creaseDegrees.value_or(kUsualCrease)),
                                       {"--weld", repair.weldDistance},
                                       {"--decimate", repair.decimateRatio},
                                       {"--max-time", options.limits.seconds}})
@@ -123,6 +126,17 @@ void requireSound(const ImportOptions& options) {
         throw Error(ErrorKind::Usage, "--depfile needs an output file to speak of; -o is -");
     for (const std::string& extension : options.settings.allowedFormats) requireKnownFormat(extension);
     requireDistinctPaths(options.sources.inputs, outputsOf(options));
+}
+
+// The inputs, which may be links, their folders, and the roots.
+std::vector<std::string> readablePlaces(const SceneSources& sources) {
+    std::vector<std::string> places = sources.roots;
+    for (const std::string& input : sources.inputs) {
+        const std::string folder = std::filesystem::path(input).parent_path();
+        places.push_back(input);
+        places.push_back(folder.empty() ? "." : folder);
+    }
+    return places;
 }
 
 } // namespace
@@ -140,6 +154,7 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     if (!parseCommandLine(app, argc, argv, options.common)) return false;
     if (options.listFormats) return true;
     requireSound(options);
+    options.limits.readable = readablePlaces(options.sources);
     options.limits.memory = maxMemory.empty()
                                 ? readingMemoryLimit(fileBytes(options.sources.inputs))
                                 : MemoryLimit{parseByteSize(maxMemory, "--max-memory"), "--max-memory"};

@@ -1,150 +1,33 @@
 #include "tools/rt-import/load_images.h"
 
 #include "common/binary_io.h"
-#include "common/error.h"
-#include "formats/image_exr.h"
-#include "formats/image_hdr.h"
 #include "tools/rt-import/model_folder.h"
 
 #include <assimp/scene.h>
 #include <fmt/format.h>
-#include <stb/stb_image.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <climits>
-#include <cmath>
 #include <cstring>
 #include <fcntl.h>
 #include <limits>
 #include <map>
-#include <memory>
 #include <tuple>
 #include <unistd.h>
 
 namespace rt {
 namespace {
 
-struct Decoded {
-    std::uint32_t width = 0; ///< 0 = could not be decoded
-    std::uint32_t height = 0;
-    std::uint64_t firstPixel = 0;
-    std::string fault;
-    bool isClear = false; ///< somewhere, by its alpha
-    float scale = 1.0f;   ///< what its colours are to be multiplied by
-
-    std::size_t pixelCount() const { return std::size_t(width) * height; }
-};
-
-// Checks an image of this size before its pixels are added.
-void requireRoom(std::int64_t width, std::int64_t height, const std::string& name,
-                 const std::vector<std::uint32_t>& pixels) {
-    if (width > kMaxImageSide || height > kMaxImageSide)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: image of {}x{} pixels exceeds {} on a side; scale it down", name, width,
-                                height, kMaxImageSide));
-    if (pixels.size() + static_cast<std::uint64_t>(width * height) > kMaxPixels)
-        throw Error(ErrorKind::LimitExceeded,
-                    fmt::format("{}: with this image of {}x{} the textures exceed {} pixels (2^30 bytes) in "
-                                "all; scale them down",
-                                name, width, height, kMaxPixels));
-}
-
-Decoded decode(std::span<const std::byte> bytes, const std::string& name,
-               std::vector<std::uint32_t>& pixels) {
-    if (bytes.empty() || bytes.size() > INT_MAX)
-        return {.fault = bytes.empty() ? "is empty" : "exceeds 2 GiB"};
-    const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-    const int size = static_cast<int>(bytes.size());
-    int width = 0, height = 0, channels = 0;
-    const auto fault = [] { return fmt::format("cannot be decoded: {}", stbi_failure_reason()); };
-    if (!stbi_info_from_memory(data, size, &width, &height, &channels)) return {.fault = fault()};
-    requireRoom(width, height, name, pixels); // before the pixels are allocated
-    const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> rgba(
-        stbi_load_from_memory(data, size, &width, &height, &channels, 4), &stbi_image_free);
-    if (!rgba) return {.fault = fault()};
-    const std::size_t first = pixels.size();
-    const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    pixels.resize(first + count);
-    std::memcpy(pixels.data() + first, rgba.get(), count * 4);
-    return {static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), first, ""};
-}
-
-constexpr float kMostLight = 65504.0f; // of a texture; what an EXR's half floats reach
-
-// How the numbers of a picture in floating point become bytes; those of others are bytes already.
-enum class Values { Bytes, Colors, Numbers, Light };
-
-bool startsWith(std::span<const std::byte> bytes, std::string_view magic) {
-    return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
-}
-bool isExr(std::span<const std::byte> bytes) {
-    return startsWith(bytes, "\x76\x2f\x31\x01");
-}
-bool isFloat(std::span<const std::byte> bytes) {
-    return isExr(bytes) || startsWith(bytes, "#?RADIANCE") || startsWith(bytes, "#?RGBE");
-}
-
-Values valuesFor(TextureUse use) {
-    if (use == TextureUse::Emission) return Values::Light;
-    return use == TextureUse::BaseColor ? Values::Colors : Values::Numbers;
-}
-
-// The three colours of a pixel without their alpha, which an EXR has multiplied them by.
-glm::vec3 straightColor(const std::array<const std::vector<float>*, 3>& colors, const ImageChannel* alpha,
-                        std::size_t i) {
-    glm::vec3 color((*colors[0])[i], (*colors[1])[i], (*colors[2])[i]);
-    if (alpha && alpha->values[i] > 0.0f && alpha->values[i] < 1.0f) color /= alpha->values[i];
-    for (int c = 0; c < 3; ++c) color[c] = color[c] > 0.0f ? std::min(color[c], kMostLight) : 0.0f; // or NaN
-    return color;
-}
-
-std::uint32_t byteOf(double unit) {
-    return static_cast<std::uint32_t>(std::lround(255.0 * std::clamp(unit, 0.0, 1.0)));
-}
-
-// Light brighter than 1 keeps its range: it is stored as part of the brightest there is.
-Decoded storeFloats(const Image& image, const std::string& name, Values values,
-                    std::vector<std::uint32_t>& pixels) {
-    requireRoom(image.width, image.height, name, pixels);
-    const std::array colors = {&colorChannel(image, "R", name).values, &colorChannel(image, "G", name).values,
-                               &colorChannel(image, "B", name).values};
-    const ImageChannel* alpha = image.find("A");
-    if (alpha && alpha->type == ImageChannel::Type::Uint) alpha = nullptr;
-    Decoded result{image.width, image.height, pixels.size(), ""};
-    if (values == Values::Light)
-        for (std::size_t i = 0; i < image.pixelCount(); ++i) {
-            const glm::vec3 color = straightColor(colors, alpha, i);
-            result.scale = std::max({result.scale, color.r, color.g, color.b});
-        }
-    for (std::size_t i = 0; i < image.pixelCount(); ++i) {
-        const glm::dvec3 color = glm::dvec3(straightColor(colors, alpha, i)) / double(result.scale);
-        std::uint32_t pixel = byteOf(alpha ? double(alpha->values[i]) : 1.0) << 24;
-        for (int c = 0; c < 3; ++c)
-            pixel |= byteOf(values == Values::Numbers ? color[c] : encodeSrgb(std::min(color[c], 1.0)))
-                     << (8 * c);
-        pixels.push_back(pixel);
-    }
-    return result;
-}
-
-Decoded decodeFloats(std::span<const std::byte> bytes, const std::string& name, Values values,
-                     std::vector<std::uint32_t>& pixels) {
-    Image image;
-    try {
-        image = isExr(bytes) ? decodeExr(bytes, name) : decodeHdr(bytes, name);
-        return storeFloats(image, name, values, pixels);
-    } catch (const Error& error) {
-        if (error.kind() != ErrorKind::InvalidContent) throw;
-        return {.fault = fmt::format("cannot be decoded: {}", error.what())};
-    }
+PixelValues valuesFor(TextureUse use) {
+    if (use == TextureUse::Emission) return PixelValues::Light;
+    return use == TextureUse::BaseColor ? PixelValues::Colors : PixelValues::Numbers;
 }
 
 // Bare pixels of an image inside the model.
-Decoded decodeBare(const aiTexture& texture, const std::string& name, std::vector<std::uint32_t>& pixels) {
+DecodedImage decodeBare(const aiTexture& texture, const std::string& name,
+                        std::vector<std::uint32_t>& pixels) {
     if (texture.mWidth == 0 || !texture.pcData) return {.fault = "is empty"};
-    requireRoom(texture.mWidth, texture.mHeight, name, pixels);
+    requireImageRoom(texture.mWidth, texture.mHeight, name, pixels);
     const std::size_t first = pixels.size();
     const std::size_t count = std::size_t(texture.mWidth) * texture.mHeight;
     for (std::size_t i = 0; i < count; ++i) {
@@ -181,7 +64,7 @@ std::uint32_t spaceOf(TextureUse use) {
 constexpr char kInside = '\x01'; // no path begins like this
 
 // A file, the one whose alpha it gets, and what becomes of its numbers.
-using Version = std::tuple<std::string, std::string, Values>;
+using Version = std::tuple<std::string, std::string, PixelValues>;
 
 class ImageLoader {
 public:
@@ -196,11 +79,12 @@ public:
     Loaded load(const TextureSource& texture, TextureUse use) {
         const auto file = keyOf(texture, texture.name), alphaFile = keyOf(texture, texture.alphaName);
         if (!file || (file->empty() && !alphaFile)) return {.fault = kNotFound};
-        const Values values = file->empty() || !isFloat(bytesOf(*file)) ? Values::Bytes : valuesFor(use);
+        const PixelValues values =
+            file->empty() || !holdsFloats(bytesOf(*file)) ? PixelValues::Bytes : valuesFor(use);
         const Version version{*file, alphaFile.value_or(""), values};
         const auto [entry, isNew] = decoded_.try_emplace(version);
         if (isNew) entry->second = decodeWithAlpha(version);
-        const Decoded& image = entry->second;
+        const DecodedImage& image = entry->second;
         if (image.width > 0 && texture.mayBeHeights && !lookLikeNormals(pixelsOf(image)))
             return {.fault = "holds heights, not normals"};
         const std::string fault =
@@ -233,31 +117,32 @@ private:
                                                                        : SharedSpan<std::byte>();
     }
 
-    std::span<std::uint32_t> pixelsOf(const Decoded& image) {
+    std::span<std::uint32_t> pixelsOf(const DecodedImage& image) {
         return {result.pixels.data() + image.firstPixel, image.pixelCount()};
     }
 
-    Decoded decodeAny(const std::string& key, Values values, std::vector<std::uint32_t>& pixels) {
+    DecodedImage decodeAny(const std::string& key, PixelValues values, std::vector<std::uint32_t>& pixels) {
         const aiTexture* const inside = insideOf(key);
-        const std::string name = inside ? fmt::format("image {} of the model", key.substr(1)) : key;
+        const std::string name =
+            inside ? fmt::format("{}: image {} inside it", folder_.modelPath(), key.substr(1)) : key;
         if (inside && inside->mHeight != 0) return decodeBare(*inside, name, pixels);
         const SharedSpan<std::byte> bytes = bytesOf(key);
         if (!inside && bytes.empty() && faccessat(AT_FDCWD, key.c_str(), R_OK, AT_EACCESS) != 0)
             return {.fault = fmt::format("cannot be opened: {}", std::strerror(errno))};
         if (!inside) folder_.addRead(key);
-        return isFloat(bytes) ? decodeFloats(bytes, name, values, pixels) : decode(bytes, name, pixels);
+        return decodeImage(bytes, name, values, pixels);
     }
 
     // Decodes a file with its own alpha, that of another, or none (""). An image that is opaque anyway serves
     // as both of the first and the last.
-    Decoded decodeWithAlpha(const Version& version) {
+    DecodedImage decodeWithAlpha(const Version& version) {
         const auto& [file, alphaFile, values] = version;
         if (file.empty()) return decodeAlphaOnly(alphaFile);
         const bool own = file == alphaFile;
         const auto other = decoded_.find({file, own ? "" : file, values});
         if ((own || alphaFile.empty()) && other != decoded_.end() && !other->second.isClear)
             return other->second;
-        Decoded image = decodeAny(file, values, result.pixels);
+        DecodedImage image = decodeAny(file, values, result.pixels);
         const std::span<std::uint32_t> pixels = pixelsOf(image);
         image.isClear = isClearSomewhere(pixels);
         if (own) return image;
@@ -268,8 +153,8 @@ private:
     }
 
     // White, of the size of the image whose alpha it takes.
-    Decoded decodeAlphaOnly(const std::string& alphaFile) {
-        Decoded image = decodeAny(alphaFile, Values::Numbers, result.pixels);
+    DecodedImage decodeAlphaOnly(const std::string& alphaFile) {
+        DecodedImage image = decodeAny(alphaFile, PixelValues::Numbers, result.pixels);
         const std::span<std::uint32_t> pixels = pixelsOf(image);
         const bool ownAlpha = isClearSomewhere(pixels);
         for (std::uint32_t& p : pixels) p = (ownAlpha ? p & kAlphaMask : p << 24) | 0x00FFFFFFu;
@@ -277,9 +162,9 @@ private:
     }
 
     // The nearest texel's, where the sizes differ.
-    void takeAlpha(Decoded& image, const std::string& alphaFile) {
+    void takeAlpha(DecodedImage& image, const std::string& alphaFile) {
         std::vector<std::uint32_t> alpha;
-        const Decoded from = decodeAny(alphaFile, Values::Numbers, alpha);
+        const DecodedImage from = decodeAny(alphaFile, PixelValues::Numbers, alpha);
         if (from.width == 0) {
             image.fault = fmt::format("has no opacity: '{}' {}", alphaFile, from.fault);
             return;
@@ -294,7 +179,7 @@ private:
         }
     }
 
-    std::uint32_t place(const Decoded& image, const std::string& file, const TextureSource& texture,
+    std::uint32_t place(const DecodedImage& image, const std::string& file, const TextureSource& texture,
                         std::uint32_t space) {
         const auto next = static_cast<std::uint32_t>(result.images.size());
         // Versions that share their pixels share their image as well.
@@ -308,7 +193,7 @@ private:
 
     const aiScene& scene_;
     ModelFolder& folder_;
-    std::map<Version, Decoded> decoded_;
+    std::map<Version, DecodedImage> decoded_;
     std::map<std::tuple<std::string, std::uint64_t, std::uint32_t, std::uint32_t, std::uint32_t>,
              std::uint32_t>
         placed_;
@@ -325,8 +210,7 @@ void scaleEmission(float scale, Material& material) {
 }
 
 std::string consequenceOf(TextureUse use) {
-    return use == TextureUse::BaseColor ? "its colour factor stands alone"
-                                        : fmt::format("there is no {} image", nameOf(use));
+    return use == TextureUse::Normals ? "there is no normal image" : "its factor stands alone";
 }
 
 } // namespace
@@ -341,7 +225,7 @@ LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& mater
             const TextureSource texture = *source.textures[i];
             const ImageLoader::Loaded loaded = loader.load(texture, use);
             imageOf(source.material, use) = loaded.image;
-            if (loaded.image == kNoImage) dropTexture(source, use);
+            if (loaded.image == kNoImage) source.textures[i].reset();
             if (use == TextureUse::Emission) scaleEmission(loaded.scale, source.material);
             if (!loaded.fault.empty())
                 warnings.push_back(

@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/mesh.h"
+#include "tools/rt-import/decode_image.h"
 #include "tools/rt-import/read_materials.h"
 
 #include <string>
@@ -10,9 +11,6 @@ struct aiScene;
 namespace rt {
 
 class ModelFolder;
-
-inline constexpr std::uint32_t kMaxImageSide = 16384; // what every GL 4.5 device takes as a texture
-inline constexpr std::uint64_t kMaxPixels = std::uint64_t(1) << 28; // of all images: 2^30 bytes
 
 struct LoadedImages {
     std::vector<MeshImage> images;

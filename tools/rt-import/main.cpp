@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <span>
+
 namespace rt {
 namespace {
 
@@ -38,6 +40,18 @@ int importForParent(ImportOptions& options, GuardProcess& guard) {
     return 0;
 }
 
+// All of them or none.
+void writeOutputs(const ImportOptions& options, const ReceivedMesh& received, const ImportMessage& message) {
+    const std::string dependencies = depfileText(options.outputPath, message.filesRead);
+    const std::string report = jsonText(nlohmann::json::parse(message.report));
+    std::vector<OutputFile> files{{options.outputPath, {received.file}}};
+    if (!options.common.depfilePath.empty())
+        files.push_back({options.common.depfilePath, {std::as_bytes(std::span(dependencies))}});
+    if (!options.common.jsonPath.empty())
+        files.push_back({options.common.jsonPath, {std::as_bytes(std::span(report))}});
+    writeFiles(files);
+}
+
 int run(int argc, const char* const* argv) {
     ImportOptions options;
     if (!parseImportOptions(argc, argv, options)) return 0;
@@ -54,11 +68,7 @@ int run(int argc, const char* const* argv) {
     const ReceivedMesh received = guard.receive();
     const ImportMessage message = readMessage(received.message, name);
     requireDistinctPaths(message.filesRead, outputs); // textures and libraries count as inputs too
-    writeFile(options.outputPath, received.file);
-    if (!options.common.depfilePath.empty())
-        writeDepfile(options.common.depfilePath, options.outputPath, message.filesRead);
-    if (!options.common.jsonPath.empty())
-        writeJson(options.common.jsonPath, nlohmann::json::parse(message.report));
+    writeOutputs(options, received, message);
     return 0;
 }
 

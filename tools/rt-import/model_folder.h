@@ -18,6 +18,8 @@ class ModelFolder {
 public:
     explicit ModelFolder(const std::string& modelPath, const std::vector<std::string>& others = {});
 
+    const std::string& modelPath() const { return modelPath_; }
+
     /// Path of the file that `name`, as the model spells it, stands for, in one of the folders or below.
     /// Backslashes count as slashes, and letter case is ignored where no file matches exactly. A name that
     /// leads to nothing there, as one that is absolute on another machine, is tried by what stands at its

@@ -5,21 +5,27 @@
 #include "tools/rt-import/check_collada.h"
 #include "tools/rt-import/correct_3ds.h"
 #include "tools/rt-import/cut_polygons.h"
+#include "tools/rt-import/import_model.h"
+#include "tools/rt-import/mend_mtl.h"
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/model_formats.h"
 
 #include <assimp/BaseImporter.h>
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/ProgressHandler.hpp>
+#include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <assimp/version.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <set>
+#include <span>
 
 namespace rt {
 namespace {
@@ -46,20 +52,35 @@ void requireReadable(const std::string& path, const std::vector<std::string>& al
 // Opens only what lies in the model's folder, for reading, and keeps the list of what it opened.
 class FolderIO final : public Assimp::DefaultIOSystem {
 public:
-    explicit FolderIO(ModelFolder& folder) : folder_(folder) {}
+    FolderIO(ModelFolder& folder, std::vector<std::string>& warnings)
+        : folder_(folder), warnings_(warnings) {}
 
     bool Exists(const char* file) const override { return found(file).has_value(); }
 
     Assimp::IOStream* Open(const char* file, const char* mode) override {
         const std::optional<std::string> path = mode[0] == 'r' ? found(file) : std::nullopt;
         Assimp::IOStream* stream = path ? DefaultIOSystem::Open(path->c_str(), mode) : nullptr;
-        if (stream) folder_.addRead(*path);
-        return stream;
+        if (!stream) return nullptr;
+        folder_.addRead(*path);
+        if (lowerExtension(folder_.modelPath()) != "obj" || *path == folder_.modelPath()) return stream;
+        Close(stream);
+        return openLibrary(*path);
     }
 
     const std::string& firstMissing() const { return firstMissing_; }
+    /// Names that the material libraries of an OBJ model give.
+    const std::set<std::string>& definedMaterials() const { return definedMaterials_; }
 
 private:
+    Assimp::IOStream* openLibrary(const std::string& path) {
+        const SharedSpan<std::byte> bytes = readFile(path);
+        const std::string text = mendMtl({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path,
+                                         definedMaterials_, warnings_);
+        auto* copy = new std::uint8_t[text.size()];
+        std::copy(text.begin(), text.end(), copy);
+        return new Assimp::MemoryIOStream(copy, text.size(), true);
+    }
+
     std::optional<std::string> found(const char* file) const {
         std::optional<std::string> path = folder_.findComposed(file);
         if (!path && firstMissing_.empty()) firstMissing_ = fs::path(file).filename().string();
@@ -67,8 +88,30 @@ private:
     }
 
     ModelFolder& folder_;
+    std::vector<std::string>& warnings_;
+    std::set<std::string> definedMaterials_;
     mutable std::string firstMissing_; // Exists() is const to Assimp
 };
+
+// Assimp makes up the materials of an OBJ model that no library defines.
+void warnOfUndefined(const aiScene& scene, const std::set<std::string>& defined,
+                     std::vector<std::string>& warnings) {
+    constexpr std::size_t kMostNames = 5;
+    std::vector<std::string> names;
+    std::vector<bool> used(scene.mNumMaterials);
+    for (const aiMesh* mesh : std::span(scene.mMeshes, scene.mNumMeshes))
+        if (mesh->mMaterialIndex < used.size()) used[mesh->mMaterialIndex] = true;
+    for (unsigned m = 0; m < scene.mNumMaterials; ++m) {
+        const std::string name = scene.mMaterials[m]->GetName().C_Str();
+        if (used[m] && name != AI_DEFAULT_MATERIAL_NAME && !defined.contains(name)) names.push_back(name);
+    }
+    if (names.empty()) return;
+    const std::size_t shown = std::min(names.size(), kMostNames);
+    warnings.push_back(fmt::format(
+        "no material library defines '{}'{}; what they are on is grey",
+        fmt::join(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(shown), "', '"),
+        names.size() > shown ? fmt::format(" and {} more of its materials", names.size() - shown) : ""));
+}
 
 class LoaderProgress final : public Assimp::ProgressHandler {
 public:
@@ -102,15 +145,14 @@ struct OpenModel::Impl {
     std::vector<CutPolygons> polygons; // of each mesh
 };
 
-OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats,
-                     ModelFolder& folder, std::vector<std::string>& warnings,
-                     const std::function<void(double)>& progress)
+OpenModel::OpenModel(const std::string& path, const ImportSettings& settings, ModelFolder& folder,
+                     std::vector<std::string>& warnings)
     : impl_(std::make_unique<Impl>()) {
-    requireReadable(path, allowedFormats);
+    requireReadable(path, settings.allowedFormats);
     Assimp::Importer& importer = impl_->importer;
-    auto* io = new FolderIO(folder);
+    auto* io = new FolderIO(folder, warnings);
     importer.SetIOHandler(io); // which owns it from here on, and the next one too
-    importer.SetProgressHandler(new LoaderProgress(progress));
+    importer.SetProgressHandler(new LoaderProgress(settings.progress));
     keepLoadersOf(lowerExtension(path), importer);
     const auto requireScene = [&] {
         if (impl_->scene && impl_->scene->mRootNode) return;
@@ -126,11 +168,12 @@ OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& al
     requireScene();
     // The importer owns the scene and hands it out for reading only, but made it to be processed further.
     auto& unfinished = const_cast<aiScene&>(*impl_->scene);
-    if (lowerExtension(path) == "3ds") correct3ds(readFile(path), unfinished);
+    if (lowerExtension(path) == "3ds") correct3ds(readFile(path), !settings.repair.creaseDegrees, unfinished);
     impl_->polygons = listPolygons(unfinished);
     impl_->scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
     requireScene();
     matchTriangles(*impl_->scene, impl_->polygons);
+    if (lowerExtension(path) == "obj") warnOfUndefined(*impl_->scene, io->definedMaterials(), warnings);
     if (!io->firstMissing().empty())
         warnings.push_back(
             fmt::format("file '{}', which the model names, was not found in its folder", io->firstMissing()));

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,18 +9,18 @@ struct aiScene;
 namespace rt {
 
 class ModelFolder;
+struct ImportSettings;
 
 /// A model file as Assimp holds it: polygons cut into triangles, otherwise in the file's own order and
 /// indexing.
 class OpenModel {
 public:
-    /// `allowedFormats` are extensions that are read besides the usual ones; `progress` is told which part of
-    /// the reading is done, 0 to 1. Throws Error{FileAccess} if the file cannot be read,
-    /// Error{InvalidContent} if its extension is not one of those that are read or if its content makes no
-    /// sense to Assimp, Error{LimitExceeded} if memory does not suffice for it. `folder` must outlive this
-    /// object.
-    OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats, ModelFolder& folder,
-              std::vector<std::string>& warnings, const std::function<void(double)>& progress);
+    /// Of the settings, allowedFormats, progress and the crease count. Throws Error{FileAccess} if the file
+    /// cannot be read, Error{InvalidContent} if its extension is not one of those that are read or if its
+    /// content makes no sense to Assimp, Error{LimitExceeded} if memory does not suffice for it. `folder`
+    /// must outlive this object.
+    OpenModel(const std::string& path, const ImportSettings& settings, ModelFolder& folder,
+              std::vector<std::string>& warnings);
     ~OpenModel();
     OpenModel(const OpenModel&) = delete;
     OpenModel& operator=(const OpenModel&) = delete;

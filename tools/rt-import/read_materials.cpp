@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 
 namespace rt {
@@ -47,8 +48,7 @@ void readMtlOptics(const aiMaterial& source, int illum, Material& material) {
               1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f), glass && ior <= 1.0f ? kGlassIor : ior);
     const auto metallic = findNumber(source, {AI_MATKEY_METALLIC_FACTOR});   // Pm
     const auto roughness = findNumber(source, {AI_MATKEY_ROUGHNESS_FACTOR}); // Pr
-    const bool textured = findText(source, {AI_MATKEY_TEXTURE(aiTextureType_METALNESS, 0)}).has_value();
-    material.reflection.x = textured ? 0.0f : share(metallic.value_or(0.0f));
+    material.reflection.x = share(metallic.value_or(0.0f));
     material.reflection.y = share(roughness.value_or(material.reflection.y));
     material.reflection.z = illum == 5 || illum == 7 || metallic || roughness ? 1.0f : 0.0f;
 }
@@ -102,12 +102,55 @@ float readReflectivity(const aiMaterial& source) {
     return numberOr(source, {AI_MATKEY_REFLECTIVITY}, 0.0f) * std::max({color.r, color.g, color.b});
 }
 
+std::optional<float> firstNumber(const aiMaterial& source, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+        if (const auto number = findNumber(source, {name, 0, 0})) return number;
+    return std::nullopt;
+}
+
+std::optional<vec4> firstColor(const aiMaterial& source, std::initializer_list<const char*> names) {
+    for (const char* name : names)
+        if (const auto color = findColor(source, {name, 0, 0})) return color;
+    return std::nullopt;
+}
+
+// FBX's physically based materials: Stingray's under Assimp's own keys, those of 3ds Max and Arnold as they
+// stand in the file. Assimp makes a roughness of a highlight's exponent too: only metal tells. False for any
+// other material.
+bool readPbr(const aiMaterial& source, Material& material) {
+    const auto metallic = firstNumber(source, {"$mat.metallicFactor", "$raw.3dsMax|Parameters|metalness",
+                                               "$raw.3dsMax|main|metalness", "$raw.Maya|metalness"});
+    if (!metallic) return false;
+    const auto roughness =
+        firstNumber(source, {"$raw.3dsMax|Parameters|roughness", "$raw.3dsMax|main|roughness",
+                             "$raw.Maya|specularRoughness", "$mat.roughnessFactor"});
+    const auto through =
+        firstNumber(source, {"$raw.3dsMax|Parameters|transparency", "$raw.Maya|transmission"});
+    const auto ior = firstNumber(source, {"$raw.3dsMax|Parameters|trans_ior", "$raw.Maya|specularIOR"});
+    setOptics(material, 0.0f, through.value_or(1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f)),
+              ior.value_or(kGlassIor));
+    material.reflection.x = share(*metallic);
+    material.reflection.y = share(roughness.value_or(material.reflection.y));
+    material.reflection.z = 1.0f;
+    return true;
+}
+
+// Of the same kinds of materials, or what any other has.
+vec4 readEmission(const aiMaterial& source, float usualStrength) {
+    if (const auto color =
+            firstColor(source, {"$raw.3dsMax|Parameters|emit_color", "$raw.Maya|emissionColor"}))
+        return *color * firstNumber(source, {"$raw.3dsMax|Parameters|emission", "$raw.Maya|emission"})
+                            .value_or(usualStrength);
+    return findColor(source, {AI_MATKEY_COLOR_EMISSIVE}).value_or(vec4(0.0f)) *
+           numberOr(source, {AI_MATKEY_EMISSIVE_INTENSITY}, usualStrength);
+}
+
 void readOptics(const aiMaterial& source, MaterialSource& result, std::vector<std::string>& lost) {
     if (const auto illum = findInteger(source, {AI_MATKEY_OBJ_ILLUM}))
         readMtlOptics(source, *illum, result.material);
     else if (const auto alphaMode = findText(source, {AI_MATKEY_GLTF_ALPHAMODE}))
         readGltf(source, *alphaMode, result, lost);
-    else
+    else if (!readPbr(source, result.material))
         setOptics(result.material, readReflectivity(source),
                   1.0f - numberOr(source, {AI_MATKEY_OPACITY}, 1.0f),
                   numberOr(source, {AI_MATKEY_REFRACTI}, 1.0f));
@@ -115,9 +158,8 @@ void readOptics(const aiMaterial& source, MaterialSource& result, std::vector<st
 
 // Also drops the textures of what is zero anyway.
 void readFactorsOfTextures(const aiMaterial& source, float emissiveStrength, MaterialSource& result) {
-    const vec4 color = findColor(source, {AI_MATKEY_COLOR_EMISSIVE}).value_or(vec4(0.0f));
-    const float strength = numberOr(source, {AI_MATKEY_EMISSIVE_INTENSITY}, emissiveStrength);
-    const vec3 emission = clampColor(color * strength, std::numeric_limits<float>::max());
+    const vec3 emission =
+        clampColor(readEmission(source, emissiveStrength), std::numeric_limits<float>::max());
     result.material.emission = vec4(emission, 0.0f);
     if (emission == vec3(0.0f)) textureOf(result, TextureUse::Emission).reset();
     if (result.material.transmission.x == 0.0f) textureOf(result, TextureUse::Transmission).reset();
@@ -137,7 +179,9 @@ bool isMadeUp(const std::string& name, const vec4& color, const aiMaterial& sour
 vec4 readBaseColor(const aiMaterial& source, const std::string& name, bool textured) {
     const bool glossy = findNumber(source, {AI_MATKEY_GLOSSINESS_FACTOR}).has_value();
     const auto diffuse = findColor(source, {AI_MATKEY_COLOR_DIFFUSE});
-    const auto base = glossy ? std::nullopt : findColor(source, {AI_MATKEY_BASE_COLOR});
+    const auto base = glossy ? std::nullopt
+                             : firstColor(source, {"$clr.base", "$raw.3dsMax|Parameters|base_color",
+                                                   "$raw.3dsMax|main|basecolor", "$raw.Maya|baseColor"});
     const vec4 color = base.value_or(diffuse.value_or(vec4(1.0f)));
     if (!textured && isMadeUp(name, color, source)) return vec4(vec3(kDefaultGrey), 1.0f);
     return vec4(clampColor(color, 1.0f), 1.0f);
@@ -159,7 +203,6 @@ MaterialSource readMaterial(const aiMaterial& source, const GltfMaterialExtras& 
     if (findInteger(source, kGltfUnlit).value_or(0) != 0) keepBaseColorOnly(result);
     markClear(result);
     for (const TextureUse use : keepOneSetOfCoordinates(result.textures)) {
-        dropTexture(result, use);
         lost.push_back(fmt::format("{} texture, which uses other texture coordinates,", nameOf(use)));
     }
     for (const std::string& what : lost)
@@ -182,13 +225,6 @@ void markClear(MaterialSource& source) {
     const bool clear = source.material.baseColor.w < 1.0f || (colors && !colors->alphaName.empty());
     source.material.more.y =
         clear ? source.material.more.y | kMaterialClear : source.material.more.y & ~kMaterialClear;
-}
-
-void dropTexture(MaterialSource& source, TextureUse use) {
-    textureOf(source, use).reset();
-    if (use == TextureUse::Roughness) source.material.reflection.x = 0.0f; // metallic
-    if (use == TextureUse::Emission) source.material.emission = vec4(0.0f);
-    if (use == TextureUse::Transmission) source.material.transmission.x = 0.0f;
 }
 
 } // namespace rt

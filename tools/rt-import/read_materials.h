@@ -24,8 +24,4 @@ void keepBaseColorOnly(MaterialSource& source);
 /// Notes whether the opacity counts: of the material itself or of its image.
 void markClear(MaterialSource& source);
 
-/// Takes a texture away. The factor that it would have scaled counts as 0 then, not as everywhere 1; only a
-/// base colour or a roughness stays as its factor.
-void dropTexture(MaterialSource& source, TextureUse use);
-
 } // namespace rt

@@ -105,7 +105,8 @@ std::optional<TextureSource> findBaseColor(const aiMaterial& source, std::vector
 
 // A bump map is one of heights by its definition, but often holds normals.
 std::optional<TextureSource> findNormals(const aiMaterial& source, std::vector<std::string>& lost) {
-    if (auto texture = findTexture(source, aiTextureType_NORMALS, lost)) return texture;
+    for (const aiTextureType type : {aiTextureType_NORMALS, aiTextureType_NORMAL_CAMERA})
+        if (auto texture = findTexture(source, type, lost)) return texture;
     auto texture = findTexture(source, aiTextureType_HEIGHT, lost);
     if (texture) texture->mayBeHeights = true;
     return texture;
@@ -120,7 +121,11 @@ const char* nameOf(TextureUse use) {
 TextureSources readTextures(const aiMaterial& source, std::vector<std::string>& lost) {
     const bool gltf = findText(source, {AI_MATKEY_GLTF_ALPHAMODE}).has_value();
     TextureSources textures{findBaseColor(source, lost), std::nullopt, findNormals(source, lost),
-                            findTexture(source, aiTextureType_EMISSIVE, lost),
+                            findTexture(source,
+                                        findFile(source, aiTextureType_EMISSIVE)
+                                            ? aiTextureType_EMISSIVE
+                                            : aiTextureType_EMISSION_COLOR,
+                                        lost),
                             findTexture(source, aiTextureType_TRANSMISSION, lost)};
     if (gltf)
         textures[1] = findTexture(source, aiTextureType_UNKNOWN, lost); // roughness in G, metallic in B

@@ -137,8 +137,8 @@ RepairedSurface repairSoup(SceneSoup& soup, const RepairOptions& options, const 
     result.figures = surface.figures;
     result.generatedNormals = countMissingNormals(soup);
     if (result.generatedNormals > 0)
-        result.cornerNormals =
-            smoothNormals(result.weld.positions, std::move(surface), options.creaseDegrees);
+        result.cornerNormals = smoothNormals(result.weld.positions, std::move(surface),
+                                             options.creaseDegrees.value_or(kUsualCrease));
     dropFlatFaces(soup, result, ledger);
     requireTriangles(soup, path, ledger);
     return result;

@@ -4,13 +4,16 @@
 #include "tools/rt-import/weld_vertices.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace rt {
 
+inline constexpr double kUsualCrease = 45.0; // degrees
+
 struct RepairOptions {
-    double weldDistance = 0.0; ///< world units; positions that are closer become one
-    double creaseDegrees = 45.0;
+    double weldDistance = 0.0;                  ///< world units; positions that are closer become one
+    std::optional<double> creaseDegrees = {};   ///< none: kUsualCrease, and 3DS files may be flat
     double decimateRatio = 1.0;                 ///< which part of the triangles is wanted
     std::uint64_t maxTriangles = kMaxSoupCount; ///< more are decimated to this
 };

@@ -9,9 +9,14 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <linux/landlock.h>
 #include <memory>
 #include <sched.h>
 #include <seccomp.h>
+#include <sys/prctl.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 namespace rt {
 namespace {
@@ -105,9 +110,43 @@ private:
     std::unique_ptr<void, decltype(&seccomp_release)> context_;
 };
 
+// Calls of Landlock, for which the C library has no functions.
+long landlock(long call, auto... arguments) {
+    return syscall(call, arguments...);
+}
+
+void allowReading(int ruleset, const std::string& place) {
+    const int fd = open(place.c_str(), O_PATH | O_CLOEXEC);
+    struct stat info {};
+    if (fd >= 0 && fstat(fd, &info) == 0) {
+        landlock_path_beneath_attr rule{};
+        rule.allowed_access = LANDLOCK_ACCESS_FS_READ_FILE;
+        if (S_ISDIR(info.st_mode)) rule.allowed_access |= LANDLOCK_ACCESS_FS_READ_DIR;
+        rule.parent_fd = fd;
+        landlock(SYS_landlock_add_rule, ruleset, LANDLOCK_RULE_PATH_BENEATH, &rule, 0);
+    }
+    if (fd >= 0) close(fd); // what is not there cannot be read either
+}
+
+// False where the kernel has no Landlock, or it is turned off.
+bool confineReading(const std::vector<std::string>& readable) {
+    landlock_ruleset_attr handled{};
+    handled.handled_access_fs = LANDLOCK_ACCESS_FS_READ_FILE | LANDLOCK_ACCESS_FS_READ_DIR;
+    const auto ruleset = static_cast<int>(
+        landlock(SYS_landlock_create_ruleset, &handled, sizeof handled.handled_access_fs, 0));
+    if (ruleset < 0) return false;
+    for (const std::string& place : readable) allowReading(ruleset, place);
+    const bool done =
+        prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 && landlock(SYS_landlock_restrict_self, ruleset, 0) == 0;
+    close(ruleset);
+    return done;
+}
+
 } // namespace
 
-void enterSandbox() {
+void enterSandbox(const std::vector<std::string>& readable) {
+    if (!confineReading(readable))
+        logDetail("this kernel has no Landlock: the loader could read files outside of the model's folders");
     Filter filter;
     for (const int call : kAllowedCalls) filter.add(SCMP_ACT_ALLOW, call);
     filter.add(SCMP_ACT_ALLOW, SCMP_SYS(openat), SCMP_A2(SCMP_CMP_MASKED_EQ, kWritingFlags, O_RDONLY));

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 
 namespace rt {
@@ -51,6 +52,18 @@ struct Entry {
     std::vector<std::uint32_t> overrides; // of that scene and those round it, inner ones first
     bool lights = true, cameras = true;
 };
+
+// Instances of a model that have the same overrides.
+struct Instances {
+    std::vector<glm::dmat4> transforms;
+    std::vector<std::uint32_t> overrides;
+};
+
+std::vector<std::uint32_t> joined(std::initializer_list<std::vector<std::uint32_t>> lists) {
+    std::vector<std::uint32_t> all;
+    for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+    return all;
+}
 
 class Describer {
 public:
@@ -114,41 +127,56 @@ private:
         json.allow({"file", "transform", "instances", "units", "upAxis", "materials", "lights", "cameras"});
         const std::string path = requireFile(json.at("file"), folder);
         Entry entry = outer;
-        entry.placements = readPlacements(json, outer.placements);
-        requireRoom(entry.placements.size(), json.place());
         // What is more particular counts later, and what stands outside counts after all inside.
-        entry.overrides = ofScene;
         const std::vector<std::uint32_t> own = readOverrides(json, folder);
-        entry.overrides.insert(entry.overrides.end(), own.begin(), own.end());
-        entry.overrides.insert(entry.overrides.end(), outer.overrides.begin(), outer.overrides.end());
         if (const auto lights = json.find("lights")) entry.lights = entry.lights && lights->truth();
         if (const auto cameras = json.find("cameras")) entry.cameras = entry.cameras && cameras->truth();
+        for (const Instances& group : readInstances(json, folder)) {
+            entry.placements = placementsOf(group, json, outer.placements);
+            requireRoom(entry.placements.size(), json.place());
+            entry.overrides = joined({ofScene, own, group.overrides, outer.overrides});
+            addPlaced(path, json, entry, outer.space, folders, depth);
+        }
+    }
+
+    void addPlaced(const std::string& path, const JsonNode& json, const Entry& entry, const Space& outer,
+                   const std::vector<std::string>& folders, unsigned depth) {
         const bool hasSpace = json.find("units") || json.find("upAxis");
         if (isSceneFile(path)) {
             if (hasSpace) json.fail("units and upAxis are for models; a scene file states its own");
-            addScene(path, JsonNode::read(path), std::move(entry), folders, depth + 1);
+            addScene(path, JsonNode::read(path), entry, folders, depth + 1);
             return;
         }
-        const Space usual = spaceOfFormat(path).value_or(outer.space);
+        const Space usual = spaceOfFormat(path).value_or(outer);
         addModel(path, entry, hasSpace ? std::optional(readSpace(json, usual)) : std::nullopt, folders);
     }
 
+    // Neighbours in the list share a group unless they have overrides.
+    std::vector<Instances> readInstances(const JsonNode& json, const ModelFolder& folder) {
+        const auto instances = json.find("instances");
+        if (!instances) return {{{glm::dmat4(1.0)}, {}}};
+        std::vector<Instances> groups;
+        for (const JsonNode& instance : instances->items()) {
+            const glm::dmat4 transform = readInstance(instance);
+            const std::vector<std::uint32_t> overrides = readOverrides(instance, folder);
+            if (groups.empty() || !overrides.empty() || !groups.back().overrides.empty())
+                groups.push_back({{}, overrides});
+            groups.back().transforms.push_back(transform);
+        }
+        if (groups.empty()) instances->fail("is empty; leave it out for the model as it stands");
+        return groups;
+    }
+
     // Each place of the scene times each instance times the transform of all of them.
-    std::vector<glm::dmat4> readPlacements(const JsonNode& json, const std::vector<glm::dmat4>& outer) {
-        std::vector<glm::dmat4> own{glm::dmat4(1.0)};
-        if (const auto instances = json.find("instances")) {
-            own.clear();
-            for (const JsonNode& instance : instances->items()) own.push_back(readTransform(instance));
-            if (own.empty()) instances->fail("is empty; leave it out for the model as it stands");
-        }
-        if (const auto transform = json.find("transform")) {
-            const glm::dmat4 shared = readTransform(*transform);
-            for (glm::dmat4& placement : own) placement *= shared;
-        }
-        if (own.size() > kMaxPlaced / outer.size()) requireRoom(kMaxPlaced, json.place());
+    std::vector<glm::dmat4> placementsOf(const Instances& group, const JsonNode& json,
+                                         const std::vector<glm::dmat4>& outer) {
+        const auto transform = json.find("transform");
+        const glm::dmat4 shared = transform ? readTransform(*transform) : glm::dmat4(1.0);
+        if (group.transforms.size() > kMaxPlaced / outer.size()) requireRoom(kMaxPlaced, json.place());
         std::vector<glm::dmat4> all;
         for (const glm::dmat4& placement : outer)
-            for (const glm::dmat4& instance : own) all.push_back(placement * instance);
+            for (const glm::dmat4& instance : group.transforms)
+                all.push_back(placement * (instance * shared));
         return all;
     }
 
