@@ -17,13 +17,27 @@ struct CommonOptions {
     bool verbose = false;
     std::string jsonPath;    ///< empty = none, "-" = standard output
     std::string depfilePath; ///< empty = none
+    bool ifChanged = false;
+    std::string version; ///< what --version prints
+    std::string making;  ///< makingOf() the command line, of tools that have --if-changed
 };
 
 /// Adds -q, -v, -j/--threads, --json and --version. `libraries` names the libraries and their versions.
 void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& libraries);
 
-/// Adds --depfile, for the tools that read other files than the ones named on the command line.
-void addDepfileOption(CLI::App& app, CommonOptions& options);
+/// Adds --depfile and --if-changed, for commands that make files of files.
+void addBuildOptions(CLI::App& app, CommonOptions& options);
+
+/// The tool, its version and the options that were given, by name: equal texts and equal inputs make equal
+/// outputs. Left out are the common options that change no output, and `neutral`: those, and the ones that
+/// name inputs.
+std::string makingOf(const CLI::App& app, const CommonOptions& options,
+                     const std::vector<std::string>& neutral);
+
+/// Throws Error{Usage} unless --depfile has an output to speak of, and --if-changed files that can be looked
+/// at, as the ones that are named have to be.
+void checkBuildOptions(const CommonOptions& options, const std::vector<std::string>& inputs,
+                       std::vector<std::string> outputs);
 
 /// For CLI::Option::check(): a number from `low` to `high`, with messages that tell other text from numbers
 /// out of range.
@@ -50,6 +64,10 @@ std::vector<unsigned> parseSizes(const std::string& text, std::size_t count, con
 /// Parses a number of bytes: digits and, for multiples of 1024 to 1024^4, K, M, G or T in either case.
 /// Throws Error{Usage} naming `option`.
 std::uint64_t parseByteSize(const std::string& text, const std::string& option);
+
+/// Writes what --depfile names: the first output depends on these inputs. Does nothing if it was not given.
+void writeDependencies(const CommonOptions& options, const std::vector<std::string>& outputs,
+                       const std::vector<std::string>& inputs);
 
 /// Writes a Make/Ninja dependency file: `target: inputs...`, spaces and dollars escaped.
 void writeDepfile(const std::string& path, const std::string& target, const std::vector<std::string>& inputs);

@@ -6,9 +6,13 @@
 
 namespace rt {
 
-void writeJson(const std::string& path, const nlohmann::json& value) {
+std::string jsonText(const nlohmann::json& value) {
     // File names may hold bytes that are not UTF-8; they must not turn a finished run into an error.
-    writeFile(path, value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+    return value.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+void writeJson(const std::string& path, const nlohmann::json& value) {
+    writeFile(path, jsonText(value));
 }
 
 } // namespace rt

@@ -4,8 +4,10 @@
 
 namespace rt {
 
-/// Writes `value`, indented, with a final newline; "-" is standard output. Numbers that are not finite become
-/// null.
+/// `value`, indented, with a final newline. Numbers that are not finite become null.
+std::string jsonText(const nlohmann::json& value);
+
+/// Writes jsonText(); "-" is standard output.
 void writeJson(const std::string& path, const nlohmann::json& value);
 
 } // namespace rt

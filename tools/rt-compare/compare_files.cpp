@@ -16,18 +16,6 @@ std::optional<Picture> readOptional(const std::string& path, const PictureLimits
     return readPicture(path, limits);
 }
 
-// In a folder of second renders the one with the reference's name.
-std::string secondPathFor(const FilePair& pair, const Options& options) {
-    std::error_code ignored;
-    if (options.secondPath.empty() || !std::filesystem::is_directory(options.secondPath, ignored))
-        return options.secondPath;
-    const std::filesystem::path b(pair.b);
-    const auto relative = std::filesystem::is_directory(options.pathB, ignored)
-                              ? b.lexically_relative(options.pathB)
-                              : b.filename();
-    return (options.secondPath / relative).string();
-}
-
 PairResult missing(const FilePair& pair, bool allowed) {
     const bool isInA = pair.b.empty();
     return {
@@ -69,6 +57,17 @@ Outcome compareOneOfMany(const FilePair& pair, const Options& options, const Pic
 }
 
 } // namespace
+
+std::string secondPathFor(const FilePair& pair, const Options& options) {
+    std::error_code ignored;
+    if (options.secondPath.empty() || !std::filesystem::is_directory(options.secondPath, ignored))
+        return options.secondPath;
+    const std::filesystem::path b(pair.b);
+    const auto relative = std::filesystem::is_directory(options.pathB, ignored)
+                              ? b.lexically_relative(options.pathB)
+                              : b.filename();
+    return (options.secondPath / relative).string();
+}
 
 int comparePairs(const std::vector<FilePair>& pairs, const Options& options, const PairSink& sink) {
     const std::optional<Picture> mask = readOptional(options.maskPath, options.reading);

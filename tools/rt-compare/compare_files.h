@@ -24,6 +24,10 @@ struct PairResult {
 /// Is given each result in order, with the pictures where they were compared.
 using PairSink = std::function<void(const PairResult& result, const PreparedPair* pair)>;
 
+/// The second render of the pair's reference: in a folder of them the one with its name; empty if none is
+/// wanted.
+std::string secondPathFor(const FilePair& pair, const Options& options);
+
 /// Compares every pair, one at a time. Of a single pair that cannot be read, the error is thrown; of several,
 /// it is the pair's result. Returns the exit code of all: that of the first pair that could not be read, else
 /// 1 if any differ or lacks its partner.

@@ -1,4 +1,5 @@
 #include "common/run_tool.h"
+#include "tools/rt-compare/pair_recipe.h"
 #include "tools/rt-compare/report_files.h"
 #include "tools/rt-compare/self_test.h"
 
@@ -8,11 +9,16 @@ namespace {
 int compareAll(const Options& options) {
     const std::vector<FilePair> pairs =
         options.listPath.empty() ? findPairs(options.pathA, options.pathB) : readPairList(options.listPath);
-    ReportFiles reports(options, pairs);
-    const int exitCode =
-        comparePairs(pairs, options,
-                     [&](const PairResult& result, const PreparedPair* pair) { reports.add(result, pair); });
-    reports.finish();
+    const Recipe recipe = recipeOf(options, pairs);
+    ReportFiles reports(options, pairs, recipe);
+    int exitCode = 0;
+    if (!isUpToDate(options.common, outputsOf(options), recipe)) {
+        exitCode = comparePairs(pairs, options, [&](const PairResult& result, const PreparedPair* pair) {
+            reports.add(result, pair);
+        });
+        reports.finish();
+    }
+    writeDependencies(options.common, outputsOf(options), inputsOf(options, pairs));
     return exitCode;
 }
 

@@ -2,7 +2,6 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
-#include "common/json_file.h"
 #include "common/log.h"
 #include "tools/rt-compare/html_report.h"
 #include "tools/rt-compare/json_report.h"
@@ -21,22 +20,30 @@ bool showsColors() {
 }
 
 void writeMaps(const ReportOptions& reports, const PreparedPair& pair,
-               const std::vector<PerceptionMaps>& maps) {
+               const std::vector<PerceptionMaps>& maps, const Recipe& recipe) {
     if (pair.layers.empty()) {
         logWarning(reports.heatPaths.front() + ": not written, the images have no pixels in common");
         return;
     }
-    const Image map = heatMap(pair, maps, reports.heat);
+    Image map = heatMap(pair, maps, reports.heat);
+    if (recipe.isKnown()) map.texts[kRecipeKey] = recipe.mark();
     std::vector<std::vector<std::byte>> files; // all encoded before the first is written
-    for (const std::string& path : reports.heatPaths) files.push_back(encodeImage(path, map));
+    for (const std::string& path : reports.heatPaths) files.push_back(sealed(encodeImage(path, map), recipe));
     for (std::size_t i = 0; i < files.size(); ++i) writeFile(reports.heatPaths[i], files[i]);
+}
+
+// Behind a page or XML document, where a comment may stand.
+void writeMarked(const std::string& path, std::string text, const Recipe& recipe) {
+    if (recipe.isKnown()) text += "<!-- " + recipe.mark() + " -->\n";
+    writeFile(path, sealed(std::move(text), recipe));
 }
 
 } // namespace
 
-ReportFiles::ReportFiles(const Options& options, const std::vector<FilePair>& pairs)
-    : options_(options), printsText_(!options.common.quiet && options.common.jsonPath != "-" &&
-                                     options.reports.junitPath != "-" && options.reports.htmlPath != "-"),
+ReportFiles::ReportFiles(const Options& options, const std::vector<FilePair>& pairs, const Recipe& recipe)
+    : options_(options), recipe_(recipe),
+      printsText_(!options.common.quiet && options.common.jsonPath != "-" &&
+                  options.reports.junitPath != "-" && options.reports.htmlPath != "-"),
       pairs_(std::make_unique<nlohmann::json>(nlohmann::json::array())) {
     std::vector<std::string> inputs, outputs = options.reports.outputs();
     outputs.push_back(options.common.jsonPath);
@@ -60,17 +67,19 @@ void ReportFiles::add(const PairResult& result, const PreparedPair* pair) {
         return;
     pairs_->push_back(jsonReport(result, pair));
     if (!pair) return;
+    const Recipe recipe = result.verdict() == Verdict::Pass ? recipe_ : Recipe();
     if (!reports.htmlPath.empty())
-        writeFile(reports.htmlPath, htmlReport(pairs_->back(), *pair, result.maps));
-    if (!reports.heatPaths.empty()) writeMaps(reports, *pair, result.maps);
+        writeMarked(reports.htmlPath, htmlReport(pairs_->back(), *pair, result.maps), recipe);
+    if (!reports.heatPaths.empty()) writeMaps(reports, *pair, result.maps, recipe);
 }
 
 void ReportFiles::finish() {
     if (printsText_ && totals_.pairs > 1) writeFile("-", textSummary(totals_));
+    const Recipe recipe = totals_.verdict() == Verdict::Pass ? recipe_ : Recipe();
     if (!options_.reports.junitPath.empty())
-        writeFile(options_.reports.junitPath, junitReport(*pairs_, totals_));
+        writeMarked(options_.reports.junitPath, junitReport(*pairs_, totals_), recipe);
     if (!options_.common.jsonPath.empty())
-        writeJson(options_.common.jsonPath, jsonFile(std::move(*pairs_), totals_));
+        writeReport(options_.common.jsonPath, jsonFile(std::move(*pairs_), totals_), recipe);
 }
 
 } // namespace rt

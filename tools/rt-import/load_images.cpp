@@ -185,7 +185,7 @@ using Version = std::tuple<std::string, std::string, Values>;
 
 class ImageLoader {
 public:
-    ImageLoader(const aiScene& scene, ModelFolder& folder) : scene_(scene), folder_(folder) {}
+    ImageLoader(const aiScene& scene, const ModelFolder& folder) : scene_(scene), folder_(folder) {}
 
     struct Loaded {
         std::uint32_t image = kNoImage;
@@ -244,7 +244,6 @@ private:
         const SharedSpan<std::byte> bytes = bytesOf(key);
         if (!inside && bytes.empty() && faccessat(AT_FDCWD, key.c_str(), R_OK, AT_EACCESS) != 0)
             return {.fault = fmt::format("cannot be opened: {}", std::strerror(errno))};
-        if (!inside) folder_.addRead(key);
         return isFloat(bytes) ? decodeFloats(bytes, name, values, pixels) : decode(bytes, name, pixels);
     }
 
@@ -307,7 +306,7 @@ private:
     }
 
     const aiScene& scene_;
-    ModelFolder& folder_;
+    const ModelFolder& folder_;
     std::map<Version, Decoded> decoded_;
     std::map<std::tuple<std::string, std::uint64_t, std::uint32_t, std::uint32_t, std::uint32_t>,
              std::uint32_t>
@@ -331,8 +330,8 @@ std::string consequenceOf(TextureUse use) {
 
 } // namespace
 
-LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials, ModelFolder& folder,
-                        std::vector<std::string>& warnings) {
+LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials,
+                        const ModelFolder& folder, std::vector<std::string>& warnings) {
     ImageLoader loader(scene, folder);
     for (MaterialSource& source : materials)
         for (unsigned i = 0; i < kTextureUses; ++i) {

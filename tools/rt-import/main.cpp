@@ -1,10 +1,11 @@
 #include "common/binary_io.h"
-#include "common/json_file.h"
 #include "common/log.h"
 #include "common/run_tool.h"
 #include "common/stage_timer.h"
+#include "formats/mesh_file.h"
 #include "tools/rt-import/import_message.h"
 #include "tools/rt-import/import_options.h"
+#include "tools/rt-import/import_recipe.h"
 #include "tools/rt-import/model_formats.h"
 
 #include <fmt/format.h>
@@ -32,7 +33,7 @@ int importForParent(ImportOptions& options, GuardProcess& guard) {
     options.settings.progress = [&](double part) { guard.setProgress(part); };
     const ImportedModel model = importScene(options.sources, options.settings, timer);
     logSummary(nameOf(options.sources), model, timer);
-    guard.send(model.mesh, toText({model.filesRead,
+    guard.send(model.mesh, toText({model.filesAsked,
                                    toJson(model.report, model.mesh, timer)
                                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}));
     return 0;
@@ -48,17 +49,19 @@ int run(int argc, const char* const* argv) {
     const std::vector<std::string> outputs = outputsOf(options);
     for (const std::string& path : outputs) requireWritable(path);
     const std::string name = nameOf(options.sources);
+    const ImportRecipe recipe(options);
+    if (recipe.isUpToDate()) return 0;
     GuardProcess guard(name, options.limits);
     if (guard.isChild()) return importForParent(options, guard);
     if (const int exitCode = guard.wait(); exitCode != 0) return exitCode;
     const ReceivedMesh received = guard.receive();
     const ImportMessage message = readMessage(received.message, name);
-    requireDistinctPaths(message.filesRead, outputs); // textures and libraries count as inputs too
-    writeFile(options.outputPath, received.file);
-    if (!options.common.depfilePath.empty())
-        writeDepfile(options.common.depfilePath, options.outputPath, message.filesRead);
+    requireDistinctPaths(recipe.found(message.filesAsked), outputs); // textures and libraries are inputs too
+    const Recipe whole = recipe.with(message.filesAsked);
+    writeMesh(options.outputPath, received.mesh, whole);
+    recipe.writeDependencies(message.filesAsked);
     if (!options.common.jsonPath.empty())
-        writeJson(options.common.jsonPath, nlohmann::json::parse(message.report));
+        writeReport(options.common.jsonPath, nlohmann::json::parse(message.report), whole);
     return 0;
 }
 

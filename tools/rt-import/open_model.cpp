@@ -43,18 +43,16 @@ void requireReadable(const std::string& path, const std::vector<std::string>& al
     if (extension == "dae") checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
 }
 
-// Opens only what lies in the model's folder, for reading, and keeps the list of what it opened.
+// Opens only what lies in the model's folder, for reading.
 class FolderIO final : public Assimp::DefaultIOSystem {
 public:
-    explicit FolderIO(ModelFolder& folder) : folder_(folder) {}
+    explicit FolderIO(const ModelFolder& folder) : folder_(folder) {}
 
     bool Exists(const char* file) const override { return found(file).has_value(); }
 
     Assimp::IOStream* Open(const char* file, const char* mode) override {
         const std::optional<std::string> path = mode[0] == 'r' ? found(file) : std::nullopt;
-        Assimp::IOStream* stream = path ? DefaultIOSystem::Open(path->c_str(), mode) : nullptr;
-        if (stream) folder_.addRead(*path);
-        return stream;
+        return path ? DefaultIOSystem::Open(path->c_str(), mode) : nullptr;
     }
 
     const std::string& firstMissing() const { return firstMissing_; }
@@ -66,7 +64,7 @@ private:
         return path;
     }
 
-    ModelFolder& folder_;
+    const ModelFolder& folder_;
     mutable std::string firstMissing_; // Exists() is const to Assimp
 };
 
@@ -103,7 +101,7 @@ struct OpenModel::Impl {
 };
 
 OpenModel::OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats,
-                     ModelFolder& folder, std::vector<std::string>& warnings,
+                     const ModelFolder& folder, std::vector<std::string>& warnings,
                      const std::function<void(double)>& progress)
     : impl_(std::make_unique<Impl>()) {
     requireReadable(path, allowedFormats);

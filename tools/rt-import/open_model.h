@@ -20,8 +20,9 @@ public:
     /// Error{InvalidContent} if its extension is not one of those that are read or if its content makes no
     /// sense to Assimp, Error{LimitExceeded} if memory does not suffice for it. `folder` must outlive this
     /// object.
-    OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats, ModelFolder& folder,
-              std::vector<std::string>& warnings, const std::function<void(double)>& progress);
+    OpenModel(const std::string& path, const std::vector<std::string>& allowedFormats,
+              const ModelFolder& folder, std::vector<std::string>& warnings,
+              const std::function<void(double)>& progress);
     ~OpenModel();
     OpenModel(const OpenModel&) = delete;
     OpenModel& operator=(const OpenModel&) = delete;
