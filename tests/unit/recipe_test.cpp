@@ -6,6 +6,7 @@
 #include "formats/image_png.h"
 #include "formats/mesh_file.h"
 #include "formats/recipe.h"
+#include "formats/section_file.h"
 #include "tests/support/make_mesh.h"
 #include "tests/support/read_text.h"
 #include "tests/support/temporary_folder.h"
@@ -14,6 +15,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cstddef>
+#include <cstring>
 #include <fstream>
 #include <sys/stat.h>
 
@@ -116,6 +119,24 @@ TEST_F(Recipes, DoNotCountAsContent) {
     EXPECT_EQ(readMesh(mesh).contentHash, hash) << "nor is a mesh without one another mesh";
     writeMesh(mesh, test::makeSphere(1), kRecipe);
     EXPECT_NE(readMesh(mesh).contentHash, hash);
+}
+
+TEST_F(Recipes, FilesOfEarlierVersionsKeepTheirContentHash) {
+    FileKind before = kMeshKind;
+    before.minor = 1;
+    SectionFileWriter writer(before);
+    const std::vector<std::uint32_t> values{1, 2, 3};
+    writer.add<std::uint32_t>(sectionId("POSI"), values);
+    writer.write(path("a"));
+    const SectionFile file(path("a"), kMeshKind);
+    std::uint64_t headerHash = 0;
+    std::memcpy(&headerHash, test::readText(path("a")).data() + offsetof(FileHeader, headerHash), 8);
+    EXPECT_EQ(file.contentHash(), headerHash);
+    EXPECT_EQ(file.recipe(), "");
+    writer.addRecipe("0123456789abcdef");
+    writer.write(path("a"));
+    EXPECT_EQ(SectionFile(path("a"), kMeshKind).contentHash(), headerHash);
+    EXPECT_EQ(SectionFile(path("a"), kMeshKind).recipe(), "0123456789abcdef");
 }
 
 TEST_F(Recipes, APictureWithOneIsStillAPicture) {
