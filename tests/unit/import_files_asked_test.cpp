@@ -74,7 +74,8 @@ TEST_F(ImportFilesAsked, LinksThatLeadOutAreAsGoodAsNothing) {
     fs::remove(path("in/art/wood.ppm"));
     fs::create_symlink(path("outside.ppm"), path("in/art/wood.ppm"));
     EXPECT_NE(again(), text);
-    EXPECT_EQ(import("in/m.obj").filesAsked, again());
+    text = import("in/m.obj").filesAsked; // which looks farther
+    EXPECT_EQ(again(), text);
 }
 
 TEST_F(ImportFilesAsked, TextsThatAreNoneAreNotBelieved) {

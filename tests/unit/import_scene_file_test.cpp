@@ -217,7 +217,7 @@ TEST_F(SceneFiles, OverridesGiveAndTakeTextures) {
     ASSERT_EQ(with.mesh.images.size(), 1u);
     EXPECT_EQ(with.mesh.materials[0].images.x, 0u);
     EXPECT_THAT(with.report.warnings, IsEmpty()) << "the one that is gone is not asked for";
-    EXPECT_THAT(with.filesAsked, HasSubstr("/four.ppm"));
+    EXPECT_THAT(with.filesAsked, HasSubstr("/Pictures/FOUR.ppm"));
     const ImportedModel without = importText(R"({"models": [{"file": "t.obj",
         "materials": [{"match": "stone", "baseColorTexture": null}]}]})");
     EXPECT_EQ(without.mesh.images.size(), 0u);
