@@ -13,7 +13,9 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <set>
 #include <string_view>
 #include <sys/stat.h>
 
@@ -74,7 +76,8 @@ bool sameFile(const std::string& a, const std::string& b) {
 void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& libraries) {
     app.footer(exitCodeTable());
     app.get_formatter()->column_width(34);
-    app.set_version_flag("--version", fmt::format("{} {}\n{}", app.get_name(), RT_VERSION, libraries));
+    options.version = fmt::format("{} {}\n{}", app.get_name(), RT_VERSION, libraries);
+    app.set_version_flag("--version", options.version);
     app.add_flag("-q,--quiet", options.quiet, "Print errors only");
     app.add_flag("-v,--verbose", options.verbose, "Print details of each stage");
     app.add_option("-j,--threads", options.threads, "Threads to use; 0 = all. Outputs do not depend on it")
@@ -84,8 +87,43 @@ void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& 
         ->type_name("FILE");
 }
 
-void addDepfileOption(CLI::App& app, CommonOptions& options) {
-    app.add_option("--depfile", options.depfilePath, "Write a Make/Ninja dependency file")->type_name("FILE");
+void addBuildOptions(CLI::App& app, CommonOptions& options) {
+    app.add_option("--depfile", options.depfilePath,
+                   "Write a Make/Ninja dependency file: the output, and every file that was read for it")
+        ->type_name("FILE");
+    app.add_flag("--if-changed", options.ifChanged,
+                 "Do nothing if all outputs are there, whole, and made by this version of the same inputs "
+                 "with the same options, whatever their time stamps say");
+}
+
+std::string makingOf(const CLI::App& app, const CommonOptions& options,
+                     const std::vector<std::string>& neutral) {
+    std::set<std::string> leftOut{"--help", "--version", "--quiet",   "--verbose",   "--threads",
+                                  "--json", "--output",  "--depfile", "--if-changed"};
+    leftOut.insert(neutral.begin(), neutral.end());
+    std::map<std::string, std::string> given; // in the order of their names
+    for (const CLI::Option* option : app.get_options()) {
+        const std::string name = option->get_name();
+        if (option->count() == 0 || leftOut.contains(name)) continue;
+        for (const std::string& value : option->results()) given[name] += '\0' + value;
+    }
+    std::string making = options.version;
+    for (const auto& [name, values] : given) making += '\n' + name + values;
+    return making;
+}
+
+void checkBuildOptions(const CommonOptions& options, const std::vector<std::string>& inputs,
+                       std::vector<std::string> outputs) {
+    std::erase(outputs, options.depfilePath);
+    if (!options.depfilePath.empty() && (outputs.empty() || outputs.front() == "-"))
+        throw Error(ErrorKind::Usage, "--depfile needs an output file to speak of; name one");
+    if (!options.ifChanged) return;
+    if (outputs.empty()) throw Error(ErrorKind::Usage, "--if-changed needs an output to look at; name one");
+    for (const auto& [paths, name] :
+         {std::pair(&inputs, "standard input"), std::pair(&std::as_const(outputs), "standard output")})
+        if (std::find(paths->begin(), paths->end(), "-") != paths->end())
+            throw Error(ErrorKind::Usage,
+                        fmt::format("--if-changed needs files to look at; {} is none", name));
 }
 
 CLI::Validator numberBetween(double low, double high) {
@@ -182,6 +220,22 @@ std::uint64_t parseByteSize(const std::string& text, const std::string& option) 
                                 "G or T multiples of 1024",
                                 option, text));
     return value << shift;
+}
+
+std::optional<std::string> dependenciesText(const CommonOptions& options,
+                                            const std::vector<std::string>& outputs,
+                                            const std::vector<std::string>& inputs) {
+    if (options.depfilePath.empty()) return std::nullopt;
+    std::vector<std::string> files;
+    for (const std::string& input : inputs)
+        if (!input.empty() && input != "-" && std::find(files.begin(), files.end(), input) == files.end())
+            files.push_back(input);
+    return depfileText(outputs.front(), files);
+}
+
+void writeDependencies(const CommonOptions& options, const std::vector<std::string>& outputs,
+                       const std::vector<std::string>& inputs) {
+    if (const auto text = dependenciesText(options, outputs, inputs)) writeFile(options.depfilePath, *text);
 }
 
 std::string depfileText(const std::string& target, const std::vector<std::string>& inputs) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,27 @@ struct CommonOptions {
     bool verbose = false;
     std::string jsonPath;    ///< empty = none, "-" = standard output
     std::string depfilePath; ///< empty = none
+    bool ifChanged = false;
+    std::string version; ///< what --version prints
+    std::string making;  ///< makingOf() the command line, of tools that have --if-changed
 };
 
 /// Adds -q, -v, -j/--threads, --json and --version. `libraries` names the libraries and their versions.
 void addCommonOptions(CLI::App& app, CommonOptions& options, const std::string& libraries);
 
-/// Adds --depfile, for the tools that read other files than the ones named on the command line.
-void addDepfileOption(CLI::App& app, CommonOptions& options);
+/// Adds --depfile and --if-changed, for commands that make files of files.
+void addBuildOptions(CLI::App& app, CommonOptions& options);
+
+/// The tool, its version and the options that were given, by name: equal texts and equal inputs make equal
+/// outputs. Left out are the common options that change no output, and `neutral`: those, and the ones that
+/// name inputs.
+std::string makingOf(const CLI::App& app, const CommonOptions& options,
+                     const std::vector<std::string>& neutral);
+
+/// Throws Error{Usage} unless --depfile has an output to speak of, and --if-changed files that can be looked
+/// at, as the ones that are named have to be.
+void checkBuildOptions(const CommonOptions& options, const std::vector<std::string>& inputs,
+                       std::vector<std::string> outputs);
 
 /// For CLI::Option::check(): a number from `low` to `high`, with messages that tell other text from numbers
 /// out of range.
@@ -50,6 +65,14 @@ std::vector<unsigned> parseSizes(const std::string& text, std::size_t count, con
 /// Parses a number of bytes: digits and, for multiples of 1024 to 1024^4, K, M, G or T in either case.
 /// Throws Error{Usage} naming `option`.
 std::uint64_t parseByteSize(const std::string& text, const std::string& option);
+
+/// What --depfile names: the first output depends on these inputs. Nothing if it was not given.
+std::optional<std::string> dependenciesText(const CommonOptions& options,
+                                            const std::vector<std::string>& outputs,
+                                            const std::vector<std::string>& inputs);
+/// Writes dependenciesText(), if it was given.
+void writeDependencies(const CommonOptions& options, const std::vector<std::string>& outputs,
+                       const std::vector<std::string>& inputs);
 
 /// A dependency file: `target: inputs...`, escaped as GNU make and Ninja both read it. Neither can be given
 /// a name with a semicolon or a line break; Ninja 1.11 has no way to write tabs and * ? ' " & | either.

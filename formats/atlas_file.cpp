@@ -14,8 +14,6 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 3, 1, ".rtatlas"};
-
 constexpr std::uint32_t kInfo = sectionId("INFO");
 constexpr std::uint32_t kGrid = sectionId("GRID");
 constexpr std::uint32_t kVoxels = sectionId("VOXL");
@@ -198,7 +196,7 @@ void validate(const Atlas& atlas, const std::string& name) {
                    [&] { validateVoxels(atlas, check); }, [&] { validateShading(atlas, check); }});
 }
 
-void writeAtlas(const std::string& path, const Atlas& atlas) {
+void writeAtlas(const std::string& path, const Atlas& atlas, const Recipe& recipe) {
     SectionFileWriter writer(kAtlasKind);
     writer.add<AtlasInfo>(kInfo, std::span(&atlas.info, 1));
     writer.add<GridParams>(kGrid, std::span(&atlas.grid, 1));
@@ -219,6 +217,7 @@ void writeAtlas(const std::string& path, const Atlas& atlas) {
     if (!atlas.cameraKeys.empty()) writer.add<CameraKey>(kCameraKeys, atlas.cameraKeys);
     if (!atlas.surroundings.empty()) writer.add<Surroundings>(kSurroundings, atlas.surroundings);
     if (!atlas.environment.empty()) writer.add<glm::vec3>(kEnvironment, atlas.environment);
+    writer.addRecipe(recipe.text());
     writer.write(path);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/atlas.h"
+#include "formats/recipe.h"
 
 #include <memory>
 #include <string>
@@ -9,7 +10,7 @@ namespace rt {
 class SectionFile;
 
 /// Writes a .rtatlas, whole or not at all. Throws Error{FileAccess}.
-void writeAtlas(const std::string& path, const Atlas& atlas);
+void writeAtlas(const std::string& path, const Atlas& atlas, const Recipe& recipe = {});
 
 struct AtlasFile {
     Atlas atlas; ///< views the mapped file, which lives as long as any of its spans

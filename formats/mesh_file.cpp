@@ -11,8 +11,6 @@
 namespace rt {
 namespace {
 
-constexpr FileKind kMeshKind{{'\x89', 'R', 'T', 'M', 'E', 'S', 'H', '\n'}, 2, 1, ".rtmesh"};
-
 constexpr std::uint32_t kPositions = sectionId("POSI");
 constexpr std::uint32_t kNormals = sectionId("NORM");
 constexpr std::uint32_t kTexcoords = sectionId("TEXC");
@@ -94,7 +92,8 @@ void validate(const Mesh& mesh, const std::string& name) {
     requireEach<glm::vec3>(mesh.environment, name, "environment pixel", isLight);
 }
 
-void writeMesh(const std::string& path, const Mesh& mesh) {
+void writeMesh(const std::string& path, const Mesh& mesh, const Recipe& recipe,
+               const std::vector<OutputFile>& beside) {
     SectionFileWriter writer(kMeshKind);
     writer.add<glm::vec3>(kPositions, mesh.positions);
     writer.add<glm::vec3>(kNormals, mesh.normals);
@@ -111,7 +110,8 @@ void writeMesh(const std::string& path, const Mesh& mesh) {
     if (!mesh.cameraKeys.empty()) writer.add<CameraKey>(kCameraKeys, mesh.cameraKeys);
     if (!mesh.surroundings.empty()) writer.add<Surroundings>(kSurroundings, mesh.surroundings);
     if (!mesh.environment.empty()) writer.add<glm::vec3>(kEnvironment, mesh.environment);
-    writer.write(path);
+    writer.addRecipe(recipe.text());
+    writer.write(path, beside);
 }
 
 MeshFile readMesh(const std::string& path, const std::string& shownAs) {

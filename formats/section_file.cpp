@@ -36,6 +36,30 @@ std::string idText(std::uint32_t id) {
     return text;
 }
 
+struct Layout {
+    FileHeader header;
+    std::vector<SectionEntry> table;
+};
+
+// Gives each section its place, in this order, and the header its hash.
+Layout layOut(FileHeader header, std::vector<SectionEntry> table) {
+    std::uint64_t offset = aligned(sizeof(FileHeader) + table.size() * sizeof(SectionEntry));
+    for (SectionEntry& entry : table) {
+        entry.offset = offset;
+        offset = aligned(offset + entry.bytes);
+    }
+    header.sectionCount = static_cast<std::uint32_t>(table.size());
+    header.fileBytes = offset;
+    header.headerHash = hashHeader(header, table);
+    return {header, std::move(table)};
+}
+
+// The header's hash in a file without the recipe.
+std::uint64_t hashOfContent(const FileHeader& header, std::vector<SectionEntry> table) {
+    std::erase_if(table, [](const SectionEntry& entry) { return entry.id == kRecipeSection; });
+    return layOut(header, std::move(table)).header.headerHash;
+}
+
 bool allZero(std::span<const std::byte> bytes) {
     return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
 }
@@ -47,34 +71,29 @@ void SectionFileWriter::addBytes(std::uint32_t id, std::uint32_t elementBytes,
     sections_.push_back({id, elementBytes, bytes});
 }
 
-void SectionFileWriter::write(const std::string& path) const {
+void SectionFileWriter::write(const std::string& path, std::vector<OutputFile> beside) const {
     FileHeader header{};
     header.magic = kind_.magic;
     header.major = kind_.major;
     header.minor = kind_.minor;
-    header.sectionCount = static_cast<std::uint32_t>(sections_.size());
     header.tableOffset = sizeof(FileHeader);
-    std::vector<SectionEntry> table;
-    std::uint64_t offset = aligned(sizeof(FileHeader) + sections_.size() * sizeof(SectionEntry));
-    const std::uint64_t firstSection = offset;
-    for (const Section& section : sections_) {
-        table.push_back(
-            {section.id, section.elementBytes, offset, section.bytes.size(), hashBytes(section.bytes)});
-        offset = aligned(offset + section.bytes.size());
-    }
-    header.fileBytes = offset;
-    header.headerHash = hashHeader(header, table);
+    std::vector<SectionEntry> sections;
+    for (const Section& section : sections_)
+        sections.push_back(
+            {section.id, section.elementBytes, 0, section.bytes.size(), hashBytes(section.bytes)});
+    const Layout layout = layOut(header, std::move(sections));
 
     static constexpr std::byte kZeros[kSectionAlignment]{};
-    const std::uint64_t tableEnd = sizeof(FileHeader) + table.size() * sizeof(SectionEntry);
-    std::vector<std::span<const std::byte>> chunks{std::as_bytes(std::span(&header, 1)),
-                                                   std::as_bytes(std::span(table)),
-                                                   std::span(kZeros, firstSection - tableEnd)};
+    const std::uint64_t tableEnd = sizeof(FileHeader) + layout.table.size() * sizeof(SectionEntry);
+    std::vector<std::span<const std::byte>> chunks{std::as_bytes(std::span(&layout.header, 1)),
+                                                   std::as_bytes(std::span(layout.table)),
+                                                   std::span(kZeros, aligned(tableEnd) - tableEnd)};
     for (const Section& section : sections_) {
         chunks.push_back(section.bytes);
         chunks.push_back(std::span(kZeros, aligned(section.bytes.size()) - section.bytes.size()));
     }
-    writeFile(path, chunks);
+    beside.insert(beside.begin(), {path, std::move(chunks)});
+    writeFiles(beside);
 }
 
 SectionFile::SectionFile(const std::string& path, const FileKind& kind, const std::string& shownAs)
@@ -86,6 +105,7 @@ SectionFile::SectionFile(const std::string& path, const FileKind& kind, const st
     storage_ = std::make_shared<const SharedSpan<std::byte>>(readFile(path, rule));
     readHeader(kind);
     checkSections();
+    contentHash_ = hashOfContent(headerOf(*storage_, kind), table_);
 }
 
 void SectionFile::fail(const std::string& what) const {
@@ -123,7 +143,6 @@ void SectionFile::readHeader(const FileKind& kind) {
     if (!table_.empty())
         std::memcpy(table_.data(), bytes.data() + sizeof(header), table_.size() * sizeof(SectionEntry));
     if (hashHeader(header, table_) != header.headerHash) fail("its header is damaged (wrong checksum)");
-    contentHash_ = header.headerHash;
 }
 
 void SectionFile::checkSections() const {
@@ -159,6 +178,12 @@ void SectionFile::verify(const std::function<void()>& checkContents) const {
     checkTogether({[this] { checkHashes(); }, checkContents});
 }
 
+bool SectionFile::isWhole() const {
+    return std::all_of(table_.begin(), table_.end(), [&](const SectionEntry& entry) {
+        return hashBytes(storage_->subspan(entry.offset, entry.bytes)) == entry.hash;
+    });
+}
+
 const SectionEntry* SectionFile::find(std::uint32_t id) const {
     const auto found =
         std::find_if(table_.begin(), table_.end(), [id](const SectionEntry& e) { return e.id == id; });
@@ -172,6 +197,12 @@ std::span<const std::byte> SectionFile::getBytes(std::uint32_t id, std::uint32_t
         fail(fmt::format("section {} has {}-byte elements; {} expected", idText(id), entry->elementBytes,
                          elementBytes));
     return std::span<const std::byte>(*storage_).subspan(entry->offset, entry->bytes);
+}
+
+std::string SectionFile::recipe() const {
+    const SectionEntry* const entry = find(kRecipeSection);
+    if (!entry || entry->elementBytes != 1) return {};
+    return std::string(reinterpret_cast<const char*>(storage_->data()) + entry->offset, entry->bytes);
 }
 
 void SectionFile::requireCount(std::uint32_t id, std::uint64_t found, std::uint64_t wanted) const {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace rt {
@@ -48,6 +49,12 @@ struct SectionEntry {
 };
 static_assert(sizeof(SectionEntry) == 32);
 
+inline constexpr FileKind kMeshKind{{'\x89', 'R', 'T', 'M', 'E', 'S', 'H', '\n'}, 2, 2, ".rtmesh"};
+inline constexpr FileKind kAtlasKind{{'\x89', 'R', 'T', 'A', 'T', 'L', 'S', '\n'}, 3, 2, ".rtatlas"};
+
+/// The text of a Recipe: the last section, which is no part of the content.
+inline constexpr std::uint32_t kRecipeSection = sectionId("RECP");
+
 inline constexpr std::uint64_t kSectionAlignment = 64;
 inline constexpr std::uint32_t kMaxSections = 256;
 
@@ -61,8 +68,12 @@ public:
         static_assert(std::is_trivially_copyable_v<T>);
         addBytes(id, sizeof(T), std::as_bytes(values));
     }
-    /// Throws Error{FileAccess}.
-    void write(const std::string& path) const;
+    /// Last of all; nothing is added if it is empty.
+    void addRecipe(std::string_view text) {
+        if (!text.empty()) add<char>(kRecipeSection, text);
+    }
+    /// `beside`: files that are to appear with it or not at all. Throws Error{FileAccess}.
+    void write(const std::string& path, std::vector<OutputFile> beside = {}) const;
 
 private:
     struct Section {
@@ -107,8 +118,13 @@ public:
     /// bytes.
     void verify(const std::function<void()>& checkContents) const;
 
-    /// Hash of everything in the file: changes whenever any byte of any section does.
+    /// Whether every section's hash is right. Starts no threads.
+    bool isWhole() const;
+
+    /// Hash of everything in the file but its recipe: changes whenever any byte of any other section does.
     std::uint64_t contentHash() const { return contentHash_; }
+    /// Empty if the file has none.
+    std::string recipe() const;
     std::uint64_t fileBytes() const { return storage_->size(); }
     [[noreturn]] void fail(const std::string& what) const;
 

@@ -103,7 +103,7 @@ TEST_F(DamagedAtlas, AWrongByteInAnySectionIsReportedAsDamage) {
         }
     }
     EXPECT_THAT(names, testing::UnorderedElementsAre("INFO", "GRID", "VOXL", "BRIK", "REFS", "TRIS", "TVTX",
-                                                     "NORM", "TEXC", "MATL", "IMGS", "TEXP"));
+                                                     "NORM", "TEXC", "MATL", "IMGS", "TEXP", "RECP"));
 }
 
 TEST_F(DamagedAtlas, AWrongWordDeepInASectionIsReported) {

@@ -15,6 +15,10 @@ using PairSink = std::function<void(const PairResult& result)>;
 /// Empty: none is wanted.
 std::string secondPathFor(const FilePair& pair, const Options& options);
 
+/// The second render of the pair's reference: in a folder of them the one with its name; empty if none is
+/// wanted.
+std::string secondPathFor(const FilePair& pair, const Options& options);
+
 /// Compares every pair, one at a time. Of a single pair that cannot be read, the error is thrown; of several,
 /// it is the pair's result. Returns the exit code of all: that of the first pair that could not be read, else
 /// 1 if any differ or lacks its partner.

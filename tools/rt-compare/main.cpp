@@ -1,4 +1,5 @@
 #include "common/run_tool.h"
+#include "tools/rt-compare/pair_recipe.h"
 #include "tools/rt-compare/report_files.h"
 #include "tools/rt-compare/self_test.h"
 
@@ -8,9 +9,14 @@ namespace {
 int compareAll(const Options& options) {
     const std::vector<FilePair> pairs =
         options.listPath.empty() ? findPairs(options.pathA, options.pathB) : readPairList(options.listPath);
-    ReportFiles reports(options, pairs);
-    const int exitCode = comparePairs(pairs, options, [&](const PairResult& result) { reports.add(result); });
-    reports.finish();
+    const Recipe recipe = recipeOf(options, pairs);
+    ReportFiles reports(options, pairs, recipe);
+    int exitCode = 0;
+    if (!isUpToDate(options.common, outputsOf(options), recipe)) {
+        exitCode = comparePairs(pairs, options, [&](const PairResult& result) { reports.add(result); });
+        reports.finish();
+    }
+    writeDependencies(options.common, outputsOf(options), inputsOf(options, pairs));
     return exitCode;
 }
 

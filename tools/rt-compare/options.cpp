@@ -206,17 +206,29 @@ void requireInputs(const Options& options) {
 }
 
 void requireOutputs(const Options& options) {
-    std::vector<std::string> outputs = options.reports.outputs();
-    if (options.selfTest && std::ranges::any_of(outputs, [](const auto& path) { return !path.empty(); }))
-        throw Error(ErrorKind::Usage, "--self-test compares no two images; leave out -o, --html and --junit");
-    outputs.push_back(options.common.jsonPath);
-    requireDistinctPaths(
-        {options.pathA, options.pathB, options.listPath, options.maskPath, options.secondPath}, outputs);
-    for (const std::string& path : outputs)
-        if (!path.empty()) requireWritable(path);
+    const std::vector<std::string> outputs = outputsOf(options);
+    const CommonOptions& common = options.common;
+    const bool ofPairs =
+        std::ranges::any_of(outputs, [&](const auto& path) { return path != common.jsonPath; });
+    if (options.selfTest && (ofPairs || common.ifChanged))
+        throw Error(ErrorKind::Usage,
+                    "--self-test compares no two images; leave out -o, --html, --junit, --depfile and "
+                    "--if-changed");
+    const std::vector<std::string> inputs{options.pathA, options.pathB, options.listPath, options.maskPath,
+                                          options.secondPath};
+    requireDistinctPaths(inputs, outputs);
+    checkBuildOptions(common, inputs, outputs);
+    for (const std::string& path : outputs) requireWritable(path);
 }
 
 } // namespace
+
+std::vector<std::string> outputsOf(const Options& options) {
+    std::vector<std::string> outputs = options.reports.outputs();
+    outputs.insert(outputs.end(), {options.common.jsonPath, options.common.depfilePath});
+    std::erase(outputs, "");
+    return outputs;
+}
 
 bool parseOptions(int argc, const char* const* argv, Options& options) {
     CLI::App app(
@@ -224,6 +236,7 @@ bool parseOptions(int argc, const char* const* argv, Options& options) {
         "exit code 0 if they agree, 1 if they differ",
         "rt-compare");
     addCommonOptions(app, options.common, "OpenEXR " RT_OPENEXR_VERSION);
+    addBuildOptions(app, options.common);
     OptionTexts texts;
     app.add_option("a", options.pathA, "Image under test, a folder or a sequence; - for standard input")
         ->type_name("A");
@@ -239,6 +252,11 @@ bool parseOptions(int argc, const char* const* argv, Options& options) {
     readReportOptions(texts.reports, options.compare.limits, options.reports, options.compare.perception);
     requireInputs(options);
     requireOutputs(options);
+    // The figures of the page and of the maps are in the JSON file too.
+    options.common.making =
+        makingOf(app, options.common, {"a", "b", "--list", "--mask", "--second-seed", "--html", "--junit"}) +
+        (options.reports.htmlPath.empty() ? "" : "\npage") +
+        (options.reports.heatPaths.empty() ? "" : "\nmaps");
     return true;
 }
 

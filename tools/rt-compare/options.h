@@ -4,6 +4,7 @@
 #include "tools/rt-compare/report_options.h"
 
 #include <string>
+#include <vector>
 
 namespace rt {
 
@@ -16,6 +17,9 @@ struct Options {
     PictureLimits reading{.allCompressionsOption = "--allow-compression all"};
     ReportOptions reports;
 };
+
+/// Every file that a run with these options writes; "-" is standard output.
+std::vector<std::string> outputsOf(const Options& options);
 
 /// Returns false when --help or --version was asked for and printed. Throws Error{Usage}.
 bool parseOptions(int argc, const char* const* argv, Options& options);

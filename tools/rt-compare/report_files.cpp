@@ -2,7 +2,6 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
-#include "common/json_file.h"
 #include "common/log.h"
 #include "tools/rt-compare/html_report.h"
 #include "tools/rt-compare/json_report.h"
@@ -20,22 +19,30 @@ bool showsColors() {
     return isatty(STDOUT_FILENO) && !(noColor && *noColor);
 }
 
-void writeMaps(const ReportOptions& reports, const PairResult& result) {
+void writeMaps(const ReportOptions& reports, const PairResult& result, const Recipe& recipe) {
     if (result.pair->layers.empty()) {
         logWarning(reports.heatPaths.front() + ": not written, the images have no pixels in common");
         return;
     }
-    const Image map = heatMap(*result.pair, result.maps, reports.heat);
+    Image map = heatMap(*result.pair, result.maps, reports.heat);
+    if (recipe.isKnown()) map.texts[kRecipeKey] = recipe.mark();
     std::vector<std::vector<std::byte>> files; // all encoded before the first is written
-    for (const std::string& path : reports.heatPaths) files.push_back(encodeImage(path, map));
+    for (const std::string& path : reports.heatPaths) files.push_back(sealed(encodeImage(path, map), recipe));
     for (std::size_t i = 0; i < files.size(); ++i) writeFile(reports.heatPaths[i], files[i]);
+}
+
+// Behind a page or XML document, where a comment may stand.
+void writeMarked(const std::string& path, std::string text, const Recipe& recipe) {
+    if (recipe.isKnown()) text += "<!-- " + recipe.mark() + " -->\n";
+    writeFile(path, sealed(std::move(text), recipe));
 }
 
 } // namespace
 
-ReportFiles::ReportFiles(const Options& options, const std::vector<FilePair>& pairs)
-    : options_(options), printsText_(!options.common.quiet && options.common.jsonPath != "-" &&
-                                     options.reports.junitPath != "-" && options.reports.htmlPath != "-"),
+ReportFiles::ReportFiles(const Options& options, const std::vector<FilePair>& pairs, const Recipe& recipe)
+    : options_(options), recipe_(recipe),
+      printsText_(!options.common.quiet && options.common.jsonPath != "-" &&
+                  options.reports.junitPath != "-" && options.reports.htmlPath != "-"),
       pairs_(std::make_unique<nlohmann::json>(nlohmann::json::array())) {
     std::vector<std::string> inputs, outputs = options.reports.outputs();
     outputs.push_back(options.common.jsonPath);
@@ -58,16 +65,18 @@ void ReportFiles::add(const PairResult& result) {
         return;
     pairs_->push_back(jsonReport(result));
     if (!result.pair) return;
-    if (!reports.htmlPath.empty()) writeFile(reports.htmlPath, htmlReport(pairs_->back(), result));
-    if (!reports.heatPaths.empty()) writeMaps(reports, result);
+    const Recipe recipe = result.verdict() == Verdict::Pass ? recipe_ : Recipe();
+    if (!reports.htmlPath.empty()) writeMarked(reports.htmlPath, htmlReport(pairs_->back(), result), recipe);
+    if (!reports.heatPaths.empty()) writeMaps(reports, result, recipe);
 }
 
 void ReportFiles::finish() {
     if (printsText_ && totals_.pairs > 1) writeFile("-", textSummary(totals_));
+    const Recipe recipe = totals_.verdict() == Verdict::Pass ? recipe_ : Recipe();
     if (!options_.reports.junitPath.empty())
-        writeFile(options_.reports.junitPath, junitReport(*pairs_, totals_));
+        writeMarked(options_.reports.junitPath, junitReport(*pairs_, totals_), recipe);
     if (!options_.common.jsonPath.empty())
-        writeJson(options_.common.jsonPath, jsonFile(std::move(*pairs_), totals_));
+        writeReport(options_.common.jsonPath, jsonFile(std::move(*pairs_), totals_), recipe);
 }
 
 } // namespace rt

@@ -21,7 +21,7 @@
 namespace rt {
 namespace {
 
-void build(const GridOptions& options) {
+void build(const GridOptions& options, const Recipe& recipe) {
     StageTimer timer;
     std::optional<StageProgress> progress(timer);
     timer.begin("read");
@@ -30,15 +30,15 @@ void build(const GridOptions& options) {
     std::string vdb;
     if (!options.vdbPath.empty()) {
         timer.begin("vdb");
-        vdb = vdbBytes(atlas);
+        vdb = vdbBytes(atlas, recipe);
     }
     timer.begin("write");
-    writeAtlas(options.atlasPath, atlas);
+    writeAtlas(options.atlasPath, atlas, recipe);
     if (!options.vdbPath.empty()) writeFile(options.vdbPath, vdb);
     timer.end();
     progress.reset();
     const GridReport report{options, atlas, choice, timer};
-    if (!options.common.jsonPath.empty()) writeJson(options.common.jsonPath, jsonOf(report));
+    if (!options.common.jsonPath.empty()) writeReport(options.common.jsonPath, jsonOf(report), recipe);
     logInfo(summaryOf(report));
     logStages(timer);
 }
@@ -69,10 +69,13 @@ int buildCommand(int argc, const char* const* argv) {
     const std::optional<GridOptions> options = parseGridOptions(argc, argv);
     if (!options) return 0;
     for (const std::string& path : outputsOf(*options)) requireWritable(path);
-    if (options->dryRun)
+    if (options->dryRun) {
         forecast(*options);
-    else
-        build(*options);
+        return 0;
+    }
+    const Recipe recipe = recipeOf(options->common.making, {{"mesh", options->meshPath}});
+    if (!isUpToDate(options->common, outputsOf(*options), recipe)) build(*options, recipe);
+    writeDependencies(options->common, outputsOf(*options), {options->meshPath});
     return 0;
 }
 

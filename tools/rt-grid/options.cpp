@@ -122,6 +122,8 @@ void readRaw(const RawOptions& raw, GridOptions& options) {
     build.vdb = !options.vdbPath.empty();
     if (options.atlasPath.empty() && !options.dryRun)
         throw Error(ErrorKind::Usage, "--output is required; see rt-grid --help");
+    if (options.dryRun && (options.common.ifChanged || !options.common.depfilePath.empty()))
+        throw Error(ErrorKind::Usage, "--if-changed and --depfile need an output; --dry-run builds none");
 }
 
 } // namespace
@@ -132,16 +134,20 @@ std::optional<GridOptions> parseGridOptions(int argc, const char* const* argv) {
     CLI::App app(kDescription, "rt-grid");
     declare(app, options, raw);
     addCommonOptions(app, options.common, gridLibraries());
+    addBuildOptions(app, options.common);
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
     readRaw(raw, options);
+    options.common.making = makingOf(app, options.common, {"mesh", "--vdb"});
+    if (options.build.vdb) options.common.making += "\nvdb"; // whose memory counts
     requireDistinctPaths({options.meshPath}, outputsOf(options));
+    checkBuildOptions(options.common, {options.meshPath}, outputsOf(options));
     return options;
 }
 
 std::vector<std::string> outputsOf(const GridOptions& options) {
     std::vector<std::string> paths;
     if (!options.dryRun) paths = {options.atlasPath, options.vdbPath};
-    paths.push_back(options.common.jsonPath);
+    paths.insert(paths.end(), {options.common.jsonPath, options.common.depfilePath});
     std::erase(paths, "");
     return paths;
 }

@@ -143,7 +143,7 @@ private:
 };
 
 // All levels, coarsest first.
-void addGrids(const Atlas& atlas, GridStream& stream) {
+void addGrids(const Atlas& atlas, const Recipe& recipe, GridStream& stream) {
     const std::vector<Level> levels = levelsOf(atlas);
     const double enlarged = enlargement(atlas.grid, levels.back().level);
     if (enlarged > 1.0)
@@ -152,7 +152,10 @@ void addGrids(const Atlas& atlas, GridStream& stream) {
             "small as {:.3g}",
             enlarged, std::ldexp(worldSize(atlas.grid, 0), -levels.back().level)));
     for (const Level& level : levels) {
-        stream.add(makeGrid<Occupancy>(atlas, level, enlarged));
+        const openvdb::GridBase::Ptr occupancy = makeGrid<Occupancy>(atlas, level, enlarged);
+        if (recipe.isKnown() && &level == &levels.front())
+            occupancy->insertMeta(kRecipeKey, openvdb::StringMetadata(recipe.mark()));
+        stream.add(occupancy);
         if (atlas.grid.dims.w != kStructureUniform) stream.add(makeGrid<Distance>(atlas, level, enlarged));
         stream.add(makeGrid<References>(atlas, level, enlarged));
     }
@@ -185,13 +188,13 @@ void replaceIdentifier(std::string& bytes) {
 
 } // namespace
 
-std::string vdbBytes(const Atlas& atlas) {
+std::string vdbBytes(const Atlas& atlas, const Recipe& recipe) {
     openvdb::initialize();
     GridStream stream;
-    addGrids(atlas, stream);
+    addGrids(atlas, recipe, stream);
     std::string bytes = stream.finish();
     replaceIdentifier(bytes);
-    return bytes;
+    return sealed(std::move(bytes), recipe);
 }
 
 } // namespace rt

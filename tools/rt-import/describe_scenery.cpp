@@ -233,7 +233,7 @@ DescribedCamera readCamera(const JsonNode& json, UpAxis upAxis) {
 }
 
 EnvironmentPicture readEnvironment(const JsonNode& json, const ModelFolder& folder,
-                                   Surroundings& surroundings, std::vector<std::string>& filesRead) {
+                                   Surroundings& surroundings) {
     json.allow({"file", "color", "strength", "turn"});
     const auto file = json.find("file"), color = json.find("color");
     if (file.has_value() == color.has_value()) json.fail("needs either file or color");
@@ -248,7 +248,6 @@ EnvironmentPicture readEnvironment(const JsonNode& json, const ModelFolder& fold
         const std::string path = requireFile(*file, folder);
         if (!isEnvironmentFile(path)) file->fail("ends neither in .exr nor in .hdr");
         picture = readEnvironment(path);
-        filesRead.push_back(path);
     }
     if (picture.width > kMaxImageSide || picture.height > kMaxImageSide)
         throw Error(ErrorKind::LimitExceeded,

@@ -30,6 +30,6 @@ DescribedCamera readCamera(const JsonNode& json, UpAxis upAxis);
 
 /// {"file"} or {"color"}, and "strength" and "turn". Sets strength, turn and size.
 EnvironmentPicture readEnvironment(const JsonNode& json, const ModelFolder& folder,
-                                   Surroundings& surroundings, std::vector<std::string>& filesRead);
+                                   Surroundings& surroundings);
 
 } // namespace rt

@@ -242,7 +242,6 @@ ReceivedMesh GuardProcess::receive() const {
                         "do harm",
                         impl_->name, message.size(), kMostMessageBytes));
     return {readMesh(impl_->mesh.path(), impl_->name + ": what its loader made of it").mesh,
-            readFile(impl_->mesh.path()),
             std::string(reinterpret_cast<const char*>(message.data()), message.size())};
 }
 

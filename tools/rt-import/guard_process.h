@@ -25,8 +25,7 @@ struct GuardLimits {
 /// What a child handed over, checked.
 struct ReceivedMesh {
     Mesh mesh;
-    SharedSpan<std::byte> file; ///< the same as a .rtmesh
-    std::string message;        ///< not checked
+    std::string message; ///< not checked
 };
 
 /// Damaged models crash Assimp's loaders, send them round for ever, or worse. So the work is done in a child

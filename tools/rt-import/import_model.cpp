@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/stage_timer.h"
+#include "tools/rt-import/files_asked.h"
 #include "tools/rt-import/model_folder.h"
 #include "tools/rt-import/read_cameras.h"
 #include "tools/rt-import/read_model.h"
@@ -17,31 +18,25 @@
 namespace rt {
 namespace {
 
-void addOnce(const std::vector<std::string>& more, std::vector<std::string>& names) {
-    for (const std::string& name : more)
-        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-}
-
 // All models, one after the other. Warnings name the model where there are several.
 SceneParts readModels(const SceneDescription& scene, const ImportSettings& settings, ImportedModel& result,
-                      StageTimer& timer) {
+                      FilesAsked& asked, StageTimer& timer) {
     constexpr double kReadingShare = 0.5; // of the time, about
     const auto count = static_cast<double>(scene.models.size());
     double models = 0.0;
     ImportSettings ofModel = settings;
     ofModel.progress = [&](double part) { settings.progress(kReadingShare * (models + part) / count); };
-    const bool several = scene.models.size() > 1 || !scene.filesRead.empty();
+    const bool several = scene.models.size() > 1 || scene.hasSceneFile;
     std::vector<std::string>& warnings = result.report.warnings;
     Overrides overrides{scene.overrides, std::vector<bool>(scene.overrides.size())};
     SceneParts whole;
     for (const PlacedModel& model : scene.models) {
-        ModelFolder folder(model.path, model.folders);
+        const ModelFolder folder(model.path, model.folders, &asked);
         std::vector<std::string> own;
         append(readModel(model, ofModel, overrides, folder, result.report, own, timer), whole, model.path);
         models += 1.0;
         for (const std::string& warning : own)
             warnings.push_back(several ? model.path + ": " + warning : warning);
-        addOnce(folder.filesRead(), result.filesRead);
     }
     for (std::size_t i = 0; i < scene.overrides.size(); ++i)
         if (!overrides.matched[i])
@@ -109,10 +104,10 @@ ImportedModel importScene(const SceneSources& sources, const ImportSettings& set
     ImportedModel result;
     ImportReport& report = result.report;
     timer.begin("describe");
-    SceneDescription scene = describeScene(sources.inputs, sources.roots);
+    FilesAsked asked(sources.inputs, sources.roots);
+    SceneDescription scene = describeScene(sources.inputs, sources.roots, &asked);
     report.warnings = scene.warnings;
-    addOnce(scene.filesRead, result.filesRead);
-    SceneParts parts = readModels(scene, settings, result, timer);
+    SceneParts parts = readModels(scene, settings, result, asked, timer);
     const std::string name = nameOf(sources);
     requireTriangles(parts.soup, name, report.ledger);
     settings.progress(0.6);
@@ -140,6 +135,7 @@ ImportedModel importScene(const SceneSources& sources, const ImportSettings& set
     addDescribed(scene, parts, mesh);
     validate(mesh, name);
     timer.end();
+    result.filesAsked = asked.text();
     return result;
 }
 

@@ -21,7 +21,8 @@ struct ImportSettings {
 struct ImportedModel {
     Mesh mesh; ///< valid
     ImportReport report;
-    std::vector<std::string> filesRead; ///< the model, its material libraries, buffers and textures
+    std::string
+        filesAsked; ///< FilesAsked::text(): material libraries, buffers, textures, models of scene files
 };
 
 /// Models and scene files, and folders that scene files and models may read from besides their own.

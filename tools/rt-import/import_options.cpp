@@ -122,8 +122,7 @@ void requireSound(const ImportOptions& options) {
     if (options.sources.inputs.empty() || options.outputPath.empty())
         throw Error(ErrorKind::Usage, "an INPUT and -o FILE are required; see rt-import --help");
     checkSources(options.sources);
-    if (options.outputPath == "-" && !options.common.depfilePath.empty())
-        throw Error(ErrorKind::Usage, "--depfile needs an output file to speak of; -o is -");
+    checkBuildOptions(options.common, options.sources.inputs, outputsOf(options));
     for (const std::string& extension : options.settings.allowedFormats) requireKnownFormat(extension);
     requireDistinctPaths(options.sources.inputs, outputsOf(options));
 }
@@ -150,9 +149,11 @@ bool parseImportOptions(int argc, const char* const* argv, ImportOptions& option
     declareLimits(app, options, maxMemory);
     addCommonOptions(app, options.common,
                      fmt::format("{}, {}, stb_image", assimpVersion(), openMeshVersion()));
-    addDepfileOption(app, options.common);
+    addBuildOptions(app, options.common);
     if (!parseCommandLine(app, argc, argv, options.common)) return false;
     if (options.listFormats) return true;
+    options.common.making =
+        makingOf(app, options.common, {"INPUT", "--texture-root", "--max-memory", "--max-time"});
     requireSound(options);
     options.limits.readable = readablePlaces(options.sources);
     options.limits.memory = maxMemory.empty()

@@ -68,7 +68,7 @@ using Version = std::tuple<std::string, std::string, PixelValues>;
 
 class ImageLoader {
 public:
-    ImageLoader(const aiScene& scene, ModelFolder& folder) : scene_(scene), folder_(folder) {}
+    ImageLoader(const aiScene& scene, const ModelFolder& folder) : scene_(scene), folder_(folder) {}
 
     struct Loaded {
         std::uint32_t image = kNoImage;
@@ -129,7 +129,6 @@ private:
         const SharedSpan<std::byte> bytes = bytesOf(key);
         if (!inside && bytes.empty() && faccessat(AT_FDCWD, key.c_str(), R_OK, AT_EACCESS) != 0)
             return {.fault = fmt::format("cannot be opened: {}", std::strerror(errno))};
-        if (!inside) folder_.addRead(key);
         return decodeImage(bytes, name, values, pixels);
     }
 
@@ -192,7 +191,7 @@ private:
     }
 
     const aiScene& scene_;
-    ModelFolder& folder_;
+    const ModelFolder& folder_;
     std::map<Version, DecodedImage> decoded_;
     std::map<std::tuple<std::string, std::uint64_t, std::uint32_t, std::uint32_t, std::uint32_t>,
              std::uint32_t>
@@ -215,8 +214,8 @@ std::string consequenceOf(TextureUse use) {
 
 } // namespace
 
-LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials, ModelFolder& folder,
-                        std::vector<std::string>& warnings) {
+LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials,
+                        const ModelFolder& folder, std::vector<std::string>& warnings) {
     ImageLoader loader(scene, folder);
     for (MaterialSource& source : materials)
         for (unsigned i = 0; i < kTextureUses; ++i) {

@@ -22,7 +22,7 @@ struct LoadedImages {
 /// difference. A texture that is missing, unreadable or damaged is dropped and adds a warning, and so is a
 /// bump map that holds heights. Throws Error{LimitExceeded} for an image wider or higher than kMaxImageSide
 /// and for more than kMaxPixels in all, before they are decoded.
-LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials, ModelFolder& folder,
-                        std::vector<std::string>& warnings);
+LoadedImages loadImages(const aiScene& scene, std::vector<MaterialSource>& materials,
+                        const ModelFolder& folder, std::vector<std::string>& warnings);
 
 } // namespace rt

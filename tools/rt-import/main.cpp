@@ -1,10 +1,11 @@
 #include "common/binary_io.h"
-#include "common/json_file.h"
 #include "common/log.h"
 #include "common/run_tool.h"
 #include "common/stage_timer.h"
+#include "formats/mesh_file.h"
 #include "tools/rt-import/import_message.h"
 #include "tools/rt-import/import_options.h"
+#include "tools/rt-import/import_recipe.h"
 #include "tools/rt-import/model_formats.h"
 
 #include <fmt/format.h>
@@ -34,22 +35,24 @@ int importForParent(ImportOptions& options, GuardProcess& guard) {
     options.settings.progress = [&](double part) { guard.setProgress(part); };
     const ImportedModel model = importScene(options.sources, options.settings, timer);
     logSummary(nameOf(options.sources), model, timer);
-    guard.send(model.mesh, toText({model.filesRead,
+    guard.send(model.mesh, toText({model.filesAsked,
                                    toJson(model.report, model.mesh, timer)
                                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}));
     return 0;
 }
 
 // All of them or none.
-void writeOutputs(const ImportOptions& options, const ReceivedMesh& received, const ImportMessage& message) {
-    const std::string dependencies = depfileText(options.outputPath, message.filesRead);
-    const std::string report = jsonText(nlohmann::json::parse(message.report));
-    std::vector<OutputFile> files{{options.outputPath, {received.file}}};
-    if (!options.common.depfilePath.empty())
-        files.push_back({options.common.depfilePath, {std::as_bytes(std::span(dependencies))}});
+void writeOutputs(const ImportOptions& options, const ReceivedMesh& received, const ImportMessage& message,
+                  const ImportRecipe& recipe) {
+    const Recipe whole = recipe.with(message.filesAsked);
+    const std::optional<std::string> dependencies = recipe.dependencies(message.filesAsked);
+    const std::string report = reportText(nlohmann::json::parse(message.report), whole);
+    std::vector<OutputFile> beside;
+    if (dependencies)
+        beside.push_back({options.common.depfilePath, {std::as_bytes(std::span(*dependencies))}});
     if (!options.common.jsonPath.empty())
-        files.push_back({options.common.jsonPath, {std::as_bytes(std::span(report))}});
-    writeFiles(files);
+        beside.push_back({options.common.jsonPath, {std::as_bytes(std::span(report))}});
+    writeMesh(options.outputPath, received.mesh, whole, beside);
 }
 
 int run(int argc, const char* const* argv) {
@@ -62,13 +65,15 @@ int run(int argc, const char* const* argv) {
     const std::vector<std::string> outputs = outputsOf(options);
     for (const std::string& path : outputs) requireWritable(path);
     const std::string name = nameOf(options.sources);
+    const ImportRecipe recipe(options);
+    if (recipe.isUpToDate()) return 0;
     GuardProcess guard(name, options.limits);
     if (guard.isChild()) return importForParent(options, guard);
     if (const int exitCode = guard.wait(); exitCode != 0) return exitCode;
     const ReceivedMesh received = guard.receive();
     const ImportMessage message = readMessage(received.message, name);
-    requireDistinctPaths(message.filesRead, outputs); // textures and libraries count as inputs too
-    writeOutputs(options, received, message);
+    requireDistinctPaths(recipe.found(message.filesAsked), outputs); // textures and libraries are inputs too
+    writeOutputs(options, received, message, recipe);
     return 0;
 }
 

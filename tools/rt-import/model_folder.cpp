@@ -1,6 +1,7 @@
 #include "tools/rt-import/model_folder.h"
 
 #include "common/json_reader.h"
+#include "tools/rt-import/files_asked.h"
 
 #include <fmt/format.h>
 
@@ -52,16 +53,24 @@ std::optional<fs::path> findEntry(const fs::path& folder, const std::string& nam
     return found;
 }
 
-bool isBelow(const fs::path& path, const fs::path& folder) {
-    return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
-}
-
 fs::path orHere(const fs::path& folder) {
     return folder.empty() ? fs::path(".") : folder.lexically_normal();
 }
 
-// The file or folder at the end of the path, letter case forgiven.
-std::optional<fs::path> walk(fs::path folder, const fs::path& relative) {
+} // namespace
+
+fs::path realPath(const fs::path& path) {
+    std::error_code ignored;
+    const fs::path real = fs::canonical(path, ignored);
+    return real.has_filename() ? real : real.parent_path();
+}
+
+bool isBelow(const fs::path& path, const fs::path& folder) {
+    return !folder.empty() &&
+           std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+std::optional<fs::path> findBelow(fs::path folder, const fs::path& relative) {
     for (const fs::path& part : relative) {
         std::optional<fs::path> entry = findEntry(folder, part);
         if (!entry) return std::nullopt;
@@ -70,29 +79,21 @@ std::optional<fs::path> walk(fs::path folder, const fs::path& relative) {
     return folder;
 }
 
-// As it is on disk, all links followed, no slash at the end.
-fs::path realPath(const fs::path& path) {
-    std::error_code ignored;
-    const fs::path real = fs::canonical(path, ignored);
-    return real.has_filename() ? real : real.parent_path();
-}
-
-} // namespace
-
 std::string lowerExtension(const std::string& path) {
     const std::string extension = lowerCase(fs::path(path).extension());
     return extension.empty() ? extension : extension.substr(1);
 }
 
-ModelFolder::ModelFolder(const std::string& modelPath, const std::vector<std::string>& others)
-    : modelPath_(modelPath), folders_{orHere(fs::path(modelPath).parent_path())} {
+ModelFolder::ModelFolder(const std::string& modelPath, const std::vector<std::string>& others,
+                         FilesAsked* asked)
+    : modelPath_(modelPath), folders_{orHere(fs::path(modelPath).parent_path())}, asked_(asked) {
     for (const std::string& other : others) folders_.push_back(orHere(other));
     for (const fs::path& folder : folders_) realFolders_.push_back(realPath(folder));
 }
 
 bool ModelFolder::isInside(const fs::path& realPath) const {
     return std::any_of(realFolders_.begin(), realFolders_.end(),
-                       [&](const fs::path& folder) { return !folder.empty() && isBelow(realPath, folder); });
+                       [&](const fs::path& folder) { return isBelow(realPath, folder); });
 }
 
 std::optional<std::string> ModelFolder::find(const std::string& name) const {
@@ -119,8 +120,10 @@ std::optional<std::string> ModelFolder::findSpelled(const std::string& name) con
 std::optional<std::string> ModelFolder::findRelative(const fs::path& relative) const {
     for (std::size_t i = 0; i < folders_.size(); ++i) {
         // Before anything outside is even looked for.
-        if (!isInside((realFolders_[i] / relative).lexically_normal())) continue;
-        const std::optional<fs::path> path = walk(folders_[i], relative);
+        const fs::path wanted = (realFolders_[i] / relative).lexically_normal();
+        if (!isInside(wanted)) continue;
+        if (asked_) asked_->add(wanted);
+        const std::optional<fs::path> path = findBelow(folders_[i], relative);
         std::error_code ignored;
         if (!path || !fs::is_regular_file(*path, ignored)) continue;
         const fs::path real = realPath(*path);
@@ -136,10 +139,6 @@ std::optional<std::string> ModelFolder::findComposed(const std::string& path) co
     const std::string slashed = withSlashes(path);
     const fs::path relative = fs::path(slashed).lexically_normal().lexically_relative(folders_.front());
     return find(relative.empty() ? slashed : relative.string());
-}
-
-void ModelFolder::addRead(const std::string& path) {
-    if (std::find(filesRead_.begin(), filesRead_.end(), path) == filesRead_.end()) filesRead_.push_back(path);
 }
 
 std::string requireFile(const JsonNode& name, const ModelFolder& folder) {

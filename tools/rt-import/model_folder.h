@@ -6,17 +6,27 @@
 
 namespace rt {
 
+class FilesAsked;
 class JsonNode;
 
 /// "obj" for "a/B.OBJ"; empty if there is none.
 std::string lowerExtension(const std::string& path);
 
+/// As it is on disk, all links followed, no slash at the end; empty if there is no such thing.
+std::filesystem::path realPath(const std::filesystem::path& path);
+/// Whether it is the folder or in it, by their names.
+bool isBelow(const std::filesystem::path& path, const std::filesystem::path& folder);
+/// The file or folder at the end of the relative path, letter case ignored where none matches exactly.
+std::optional<std::filesystem::path> findBelow(std::filesystem::path folder,
+                                               const std::filesystem::path& relative);
+
 /// The folder that a model or scene file lies in, and others that it may read from. Names that its text gives
-/// to other files are looked up here and nowhere else, and every file that is read is remembered for the
-/// dependency file.
+/// to other files are looked up here and nowhere else.
 class ModelFolder {
 public:
-    explicit ModelFolder(const std::string& modelPath, const std::vector<std::string>& others = {});
+    /// `asked` is told every file that is looked for.
+    explicit ModelFolder(const std::string& modelPath, const std::vector<std::string>& others = {},
+                         FilesAsked* asked = nullptr);
 
     const std::string& modelPath() const { return modelPath_; }
 
@@ -31,11 +41,6 @@ public:
     /// As find(), for a path that a library composed from the model's own path and a name.
     std::optional<std::string> findComposed(const std::string& path) const;
 
-    /// Remembers a file that was read, once.
-    void addRead(const std::string& path);
-    /// Files read, the model among them, in the order of their first reading.
-    const std::vector<std::string>& filesRead() const { return filesRead_; }
-
 private:
     std::optional<std::string> findSpelled(const std::string& name) const;
     std::optional<std::string> findRelative(const std::filesystem::path& relative) const;
@@ -44,7 +49,7 @@ private:
     std::string modelPath_;
     std::vector<std::filesystem::path> folders_; // the model's own first
     std::vector<std::filesystem::path> realFolders_;
-    std::vector<std::string> filesRead_;
+    FilesAsked* asked_;
 };
 
 /// The file that a text of a scene file names. Throws Error{FileAccess} if there is none.

@@ -49,10 +49,10 @@ void requireReadable(const std::string& path, const std::vector<std::string>& al
     if (extension == "dae") checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
 }
 
-// Opens only what lies in the model's folder, for reading, and keeps the list of what it opened.
+// Opens only what lies in the model's folder, for reading.
 class FolderIO final : public Assimp::DefaultIOSystem {
 public:
-    FolderIO(ModelFolder& folder, std::vector<std::string>& warnings)
+    FolderIO(const ModelFolder& folder, std::vector<std::string>& warnings)
         : folder_(folder), warnings_(warnings) {}
 
     bool Exists(const char* file) const override { return found(file).has_value(); }
@@ -61,7 +61,6 @@ public:
         const std::optional<std::string> path = mode[0] == 'r' ? found(file) : std::nullopt;
         Assimp::IOStream* stream = path ? DefaultIOSystem::Open(path->c_str(), mode) : nullptr;
         if (!stream) return nullptr;
-        folder_.addRead(*path);
         if (lowerExtension(folder_.modelPath()) != "obj" || *path == folder_.modelPath()) return stream;
         Close(stream);
         return openLibrary(*path);
@@ -87,7 +86,7 @@ private:
         return path;
     }
 
-    ModelFolder& folder_;
+    const ModelFolder& folder_;
     std::vector<std::string>& warnings_;
     std::set<std::string> definedMaterials_;
     mutable std::string firstMissing_; // Exists() is const to Assimp
@@ -145,7 +144,7 @@ struct OpenModel::Impl {
     std::vector<CutPolygons> polygons; // of each mesh
 };
 
-OpenModel::OpenModel(const std::string& path, const ImportSettings& settings, ModelFolder& folder,
+OpenModel::OpenModel(const std::string& path, const ImportSettings& settings, const ModelFolder& folder,
                      std::vector<std::string>& warnings)
     : impl_(std::make_unique<Impl>()) {
     requireReadable(path, settings.allowedFormats);

@@ -19,7 +19,7 @@ public:
     /// cannot be read, Error{InvalidContent} if its extension is not one of those that are read or if its
     /// content makes no sense to Assimp, Error{LimitExceeded} if memory does not suffice for it. `folder`
     /// must outlive this object.
-    OpenModel(const std::string& path, const ImportSettings& settings, ModelFolder& folder,
+    OpenModel(const std::string& path, const ImportSettings& settings, const ModelFolder& folder,
               std::vector<std::string>& warnings);
     ~OpenModel();
     OpenModel(const OpenModel&) = delete;

@@ -130,7 +130,7 @@ void Overrides::apply(const std::vector<std::uint32_t>& indices, MaterialSource&
 }
 
 SceneParts readModel(const PlacedModel& model, const ImportSettings& settings, Overrides& overrides,
-                     ModelFolder& folder, ImportReport& report, std::vector<std::string>& warnings,
+                     const ModelFolder& folder, ImportReport& report, std::vector<std::string>& warnings,
                      StageTimer& timer) {
     timer.begin("read");
     const OpenModel opened(model.path, settings, folder, warnings);

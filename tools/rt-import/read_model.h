@@ -26,7 +26,7 @@ struct Overrides {
 /// overrides, their images, its lights and cameras. What is mended, left out or lost goes into `report` and
 /// `warnings`. Throws Error{FileAccess, InvalidContent or LimitExceeded}.
 SceneParts readModel(const PlacedModel& model, const ImportSettings& settings, Overrides& overrides,
-                     ModelFolder& folder, ImportReport& report, std::vector<std::string>& warnings,
+                     const ModelFolder& folder, ImportReport& report, std::vector<std::string>& warnings,
                      StageTimer& timer);
 
 } // namespace rt

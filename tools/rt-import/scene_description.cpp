@@ -67,7 +67,7 @@ std::vector<std::uint32_t> joined(std::initializer_list<std::vector<std::uint32_
 
 class Describer {
 public:
-    explicit Describer(const std::vector<std::string>& roots) : roots_(roots) {}
+    Describer(const std::vector<std::string>& roots, FilesAsked* asked) : roots_(roots), asked_(asked) {}
 
     SceneDescription result;
 
@@ -106,8 +106,8 @@ private:
                 fmt::format("{}: is named by {} scene files, each in the one before", path, depth - 1));
         json.allow({"$schema", "units", "upAxis", "models", "materials", "lights", "cameras", "environment",
                     "background"});
-        result.filesRead.push_back(path);
-        const ModelFolder folder(path, folders);
+        result.hasSceneFile = true;
+        const ModelFolder folder(path, folders, asked_);
         Entry entry = std::move(outer);
         const Space space = readSpace(json, Space{});
         for (glm::dmat4& placement : entry.placements) placement *= change(space, entry.space);
@@ -233,12 +233,13 @@ private:
             result.warnings.push_back(environment->place() + ": another environment counts");
             return;
         }
-        result.environment = readEnvironment(*environment, folder, ours, result.filesRead);
+        result.environment = readEnvironment(*environment, folder, ours);
         if (!result.environment.warning.empty()) result.warnings.push_back(result.environment.warning);
         result.hasEnvironment = true;
     }
 
     const std::vector<std::string>& roots_;
+    FilesAsked* asked_;
     std::size_t placed_ = 0;
 };
 
@@ -249,14 +250,14 @@ bool isSceneFile(const std::string& path) {
     return lowerExtension(path) == "json" && lowerExtension(name.stem()) == "scene";
 }
 
-SceneDescription describeScene(const std::vector<std::string>& inputs,
-                               const std::vector<std::string>& roots) {
+SceneDescription describeScene(const std::vector<std::string>& inputs, const std::vector<std::string>& roots,
+                               FilesAsked* asked) {
     Space world;
     const auto first = std::find_if(inputs.begin(), inputs.end(), isSceneFile);
     if (first != inputs.end())
         if (const JsonNode json = JsonNode::read(*first); json.isObject())
             world.metres = readSpace(json, world).metres;
-    Describer describer(roots);
+    Describer describer(roots, asked);
     for (const std::string& input : inputs) describer.addInput(input, world);
     return std::move(describer.result);
 }

@@ -10,6 +10,8 @@
 
 namespace rt {
 
+class FilesAsked;
+
 /// A model file and where it stands.
 struct PlacedModel {
     std::string path;
@@ -35,7 +37,7 @@ struct SceneDescription {
     Surroundings surroundings;
     EnvironmentPicture environment;
     bool hasEnvironment = false;
-    std::vector<std::string> filesRead; ///< scene files, environment, textures of overrides not
+    bool hasSceneFile = false;
     std::vector<std::string> warnings;
 };
 
@@ -46,6 +48,8 @@ bool isSceneFile(const std::string& path);
 /// file, turned so that +y is up; other scene files, and models whose unit is known, are scaled to its unit.
 /// Files that a scene file names may lie in its own folder, below, or in `roots`. Throws Error{FileAccess},
 /// Error{InvalidContent} with file and JSON pointer, or Error{LimitExceeded}. Models are not opened.
-SceneDescription describeScene(const std::vector<std::string>& inputs, const std::vector<std::string>& roots);
+/// `asked` is told every file that is looked for.
+SceneDescription describeScene(const std::vector<std::string>& inputs, const std::vector<std::string>& roots,
+                               FilesAsked* asked = nullptr);
 
 } // namespace rt

@@ -3,13 +3,27 @@
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/listings.h"
 #include "tools/rt-trace/options.h"
+#include "tools/rt-trace/picture_recipe.h"
 #include "tools/rt-trace/trace_rays.h"
 #include "tools/rt-trace/trace_scene.h"
 
 namespace {
 
+void trace(rt::TraceOptions& options) {
+    const std::vector<rt::RecipeInput> inputs = rt::inputsOf(options);
+    if (options.raysPath.empty()) {
+        options.recipe = rt::recipeOf(options.common.making, inputs);
+        if (!rt::isUpToDate(options)) rt::traceScene(options);
+    } else {
+        rt::traceRays(options);
+    }
+    std::vector<std::string> files;
+    for (const rt::RecipeInput& input : inputs) files.push_back(input.path);
+    rt::writeDependencies(options.common, rt::outputsOf(options), files);
+}
+
 int body(int argc, const char* const* argv) {
-    const std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
+    std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
     if (!options) return 0;
     rt::prepareGlEnvironment(options->common.threads);
     for (const std::string& path : rt::outputsOf(*options)) rt::requireWritable(path);
@@ -17,10 +31,8 @@ int body(int argc, const char* const* argv) {
         rt::printDevices(*options);
     else if (options->listCameras)
         rt::printCameras(*options);
-    else if (options->raysPath.empty())
-        rt::traceScene(*options);
     else
-        rt::traceRays(*options);
+        trace(*options);
     return 0;
 }
 

@@ -4,6 +4,7 @@
 #include "formats/image.h"
 #include "tools/rt-trace/environment.h"
 #include "tools/rt-trace/picture_options.h"
+#include "tools/rt-trace/picture_recipe.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -90,7 +91,8 @@ void checkGroups(const CLI::App& app, const TraceOptions& options) {
     for (const CLI::Option* option : app.get_options()) {
         const bool ofPictures = option->get_group().rfind(kPictureGroup, 0) == 0;
         const bool makesSomething = ofPictures || option->get_group() == kQueryGroup ||
-                                    option->get_name() == "--output" || option->get_name() == "--repeat";
+                                    option->get_name() == "--output" || option->get_name() == "--repeat" ||
+                                    option->get_name() == "--depfile" || option->get_name() == "--if-changed";
         if (list && makesSomething && option->count() > 0)
             throw Error(ErrorKind::Usage, fmt::format("{} does not go with {}", option->get_name(), list));
         if (option->count() > 0 && (query ? ofPictures : option->get_group() == kQueryGroup))
@@ -145,6 +147,16 @@ void checkPaths(const TraceOptions& options) {
             throw Error(ErrorKind::Usage, fmt::format("-o {}: pictures end in .exr or .png", path));
 }
 
+void checkBuild(const TraceOptions& options) {
+    if (options.common.ifChanged && (!options.raysPath.empty() || options.explain))
+        throw Error(ErrorKind::Usage, fmt::format("--if-changed does not go with {}",
+                                                  options.explain ? "--explain, which prints every time"
+                                                                  : "--rays: hits carry no recipe"));
+    if (!options.listCameras)
+        checkBuildOptions(options.common, {options.scenePath, options.raysPath, options.cameraPath},
+                          outputsOf(options));
+}
+
 } // namespace
 
 std::vector<std::string> outputsOf(const TraceOptions& options) {
@@ -152,7 +164,8 @@ std::vector<std::string> outputsOf(const TraceOptions& options) {
     for (const std::string& path : options.outputPaths)
         paths.push_back(options.frames ? framePath(path, options.frames->first).value_or(path) : path);
     if (!options.checkpointPath.empty()) paths.push_back(options.checkpointPath);
-    if (!options.common.jsonPath.empty()) paths.push_back(options.common.jsonPath);
+    for (const std::string& path : {options.common.jsonPath, options.common.depfilePath})
+        if (!path.empty()) paths.push_back(path);
     // Whoever wants JSON on standard output gets nothing else there.
     const bool text = options.explain || options.listDevices || options.listCameras;
     if (text && options.common.jsonPath != "-") paths.push_back("-");
@@ -177,12 +190,15 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
     addDeviceOptions(app, options, texts);
     addCommonOptions(app, options.common,
                      fmt::format("libepoxy {}, OpenEXR {}", RT_EPOXY_VERSION, RT_OPENEXR_VERSION));
+    addBuildOptions(app, options.common);
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
     checkGroups(app, options);
     if (options.listDevices) return options;
     checkDevice(options.device);
     convertTexts(app, texts, options);
     checkPaths(options);
+    checkBuild(options);
+    options.common.making = makingOf(app, options);
     return options;
 }
 

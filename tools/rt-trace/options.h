@@ -1,5 +1,6 @@
 #pragma once
 #include "common/command_line.h"
+#include "formats/recipe.h"
 #include "tools/rt-trace/aovs.h"
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/frame_range.h"
@@ -19,6 +20,7 @@ enum class Kernel { Compute, Multipass };
 /// What the command line of rt-trace asks for.
 struct TraceOptions {
     CommonOptions common;
+    Recipe recipe; ///< that the pictures and their report are to carry
     bool listDevices = false;
     bool listCameras = false;
     bool explain = false;

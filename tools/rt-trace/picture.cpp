@@ -115,7 +115,9 @@ Image imageOf(const Picture& picture, const TraceOptions& options, const GpuScen
     record.seed = options.seed;
     record.aovs = options.aovs;
     record.window = options.window;
-    return toImage(options.size, picture.pixels, record);
+    Image image = toImage(options.size, picture.pixels, record);
+    if (options.recipe.isKnown()) image.texts[kRecipeKey] = options.recipe.mark();
+    return image;
 }
 
 } // namespace rt

@@ -61,11 +61,12 @@ Image forScreen(Image image, ToneMap map, double exposureStops) {
 }
 
 void writePictures(const std::vector<std::string>& paths, const Image& image, ToneMap map,
-                   double exposureStops) {
+                   double exposureStops, const Recipe& recipe) {
     std::vector<std::vector<std::byte>> files;
     for (const std::string& path : paths) {
         const bool screen = imageFileType(path) == ImageFileType::Png;
-        files.push_back(encodeImage(path, screen ? forScreen(image, map, exposureStops) : image));
+        files.push_back(
+            sealed(encodeImage(path, screen ? forScreen(image, map, exposureStops) : image), recipe));
     }
     for (std::size_t i = 0; i < paths.size(); ++i) writeFile(paths[i], files[i]);
 }

@@ -16,7 +16,8 @@ Image forScreen(Image image, ToneMap map, double exposureStops);
 
 /// Writes the image under each name; PNGs get what forScreen() gives. All are encoded before the first is
 /// written: a picture that cannot be encoded leaves no other one behind.
+/// The image has the recipe's mark, see imageOf().
 void writePictures(const std::vector<std::string>& paths, const Image& image, ToneMap map,
-                   double exposureStops);
+                   double exposureStops, const Recipe& recipe = {});
 
 } // namespace rt

@@ -2,7 +2,6 @@
 
 #include "common/binary_io.h"
 #include "common/error.h"
-#include "common/json_file.h"
 #include "common/log.h"
 #include "tools/rt-trace/camera_path.h"
 #include "tools/rt-trace/explain.h"
@@ -28,7 +27,7 @@ nlohmann::json makePicture(const TraceOptions& options, const GpuScene& scene, c
     const Image image = imageOf(picture, options, scene, setup);
     picture.nonFinite = countNonFinite(image);
     writePictures(options.outputPaths, image, heat ? ToneMap::None : options.toneMap,
-                  heat ? 0.0 : options.exposureStops);
+                  heat ? 0.0 : options.exposureStops, options.recipe);
     stages.end();
     logPicture(picture, options);
     return figuresOf(picture, options, setup);
@@ -104,7 +103,7 @@ void report(const TraceOptions& options, const GpuScene& scene, const StageTimer
     nlohmann::json report = figures;
     reportCommon(report, scene, stages);
     reportSections(report, scene, options.environment.empty());
-    writeJson(options.common.jsonPath, report);
+    writeReport(options.common.jsonPath, report, options.recipe);
 }
 
 } // namespace
