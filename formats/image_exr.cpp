@@ -103,7 +103,8 @@ std::string compressionName(Imf::Compression compression) {
 
 struct ReadRules {
     PictureLimits limits;
-    bool isPlain = false; // one part, whose channels all have the full size
+    bool isPlain = false;                 // one part, whose channels all have the full size
+    std::optional<ExrRowRange> rows = {}; // of scanlines; else all
 };
 
 struct Layout {
@@ -292,6 +293,17 @@ Imf::FrameBuffer allocateChannels(const Imf::Header& header, const Layout& layou
     return frame;
 }
 
+// What is left if these rows alone are wanted.
+Layout cutToRows(Layout layout, const ExrRowRange& rows, const std::string& name) {
+    if (layout.isTiled) throwInvalid(name, "holds tiles; pictures of rows are wanted");
+    if (rows.first > layout.height || rows.count > layout.height - rows.first)
+        throw std::logic_error("rows beyond the picture");
+    layout.window.min.y += static_cast<int>(rows.first);
+    layout.window.max.y = layout.window.min.y + static_cast<int>(rows.count) - 1;
+    layout.height = rows.count;
+    return layout;
+}
+
 void readPixels(Imf::MultiPartInputFile& file, int part, const Layout& layout,
                 const Imf::FrameBuffer& frame) {
     if (layout.isTiled) {
@@ -319,13 +331,13 @@ PixelBox displayWindowOf(const Imf::Header& header, const Layout& layout) {
     return whole.max.x < whole.min.x || whole.max.y < whole.min.y ? boxOf(layout.window) : boxOf(whole);
 }
 
-PicturePart readPart(Imf::MultiPartInputFile& file, int index, const Imf::Header& header,
-                     const Layout& layout, const std::string& name) {
+PicturePart readPart(Imf::MultiPartInputFile& file, int index, const Imf::Header& header, Layout layout,
+                     const ReadRules& rules, const std::string& name) {
     if (!file.partComplete(index)) throwInvalid(name, "is truncated: some of its pixels are missing");
     PicturePart part;
     if (header.hasName()) part.name = header.name();
-    part.dataWindow = boxOf(layout.window);
     part.displayWindow = displayWindowOf(header, layout);
+    part.dataWindow = boxOf(layout.window);
     readCamera(header, part);
     if (header.find("pixelAspectRatio") != header.end()) part.pixelAspect = header.pixelAspectRatio();
     if (const auto* found = header.findTypedAttribute<Imf::ChromaticitiesAttribute>("chromaticities")) {
@@ -337,7 +349,9 @@ PicturePart readPart(Imf::MultiPartInputFile& file, int index, const Imf::Header
     image.width = static_cast<std::uint32_t>(layout.width);
     image.height = static_cast<std::uint32_t>(layout.height);
     readAttributes(header, image);
-    readPixels(file, index, layout, allocateChannels(header, layout, image));
+    if (rules.rows) layout = cutToRows(layout, *rules.rows, name);
+    const Imf::FrameBuffer frame = allocateChannels(header, layout, image);
+    if (layout.height > 0) readPixels(file, index, layout, frame);
     std::size_t i = 0;
     for (auto c = header.channels().begin(); c != header.channels().end(); ++c, ++i) {
         if (c.channel().xSampling == 1 && c.channel().ySampling == 1) continue;
@@ -373,7 +387,7 @@ std::vector<PicturePart> decodeChecked(std::span<const std::byte> bytes, const s
     Imf::MultiPartInputFile file(stream, 0, false);
     std::vector<PicturePart> parts;
     for (std::size_t i = 0; i < headers.size(); ++i)
-        parts.push_back(readPart(file, static_cast<int>(i), headers[i], layouts[i], name));
+        parts.push_back(readPart(file, static_cast<int>(i), headers[i], layouts[i], rules, name));
     return parts;
 }
 
@@ -390,6 +404,11 @@ std::vector<PicturePart> decodeParts(std::span<const std::byte> bytes, const std
     }
 }
 
+ImageFrame frameOf(const PicturePart& part) {
+    const PixelBox data = part.dataWindow, whole = part.displayWindow;
+    return {data.x0 - whole.x0, data.y0 - whole.y0, whole.width(), whole.height()};
+}
+
 } // namespace
 
 std::vector<PicturePart> decodeExrParts(std::span<const std::byte> bytes, const std::string& name,
@@ -399,9 +418,21 @@ std::vector<PicturePart> decodeExrParts(std::span<const std::byte> bytes, const 
 
 Image decodeExr(std::span<const std::byte> bytes, const std::string& name) {
     PicturePart part = std::move(decodeParts(bytes, name, {{}, true}).front());
-    const PixelBox data = part.dataWindow, whole = part.displayWindow;
-    if (data != whole)
-        part.image.frame = {data.x0 - whole.x0, data.y0 - whole.y0, whole.width(), whole.height()};
+    if (part.dataWindow != part.displayWindow) part.image.frame = frameOf(part);
+    return std::move(part.image);
+}
+
+Image decodeExrHeader(std::span<const std::byte> bytes, const std::string& name) {
+    PicturePart part = std::move(decodeParts(bytes, name, {{}, true, ExrRowRange{}}).front());
+    part.image.frame = frameOf(part);
+    return std::move(part.image);
+}
+
+Image decodeExrRows(std::span<const std::byte> bytes, const std::string& name, const ExrRowRange& rows) {
+    PicturePart part = std::move(decodeParts(bytes, name, {{}, true, rows}).front());
+    part.image.frame = frameOf(part);
+    part.image.frame->y += static_cast<std::int32_t>(rows.first);
+    part.image.height = rows.count;
     return std::move(part.image);
 }
 

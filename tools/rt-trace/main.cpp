@@ -2,13 +2,17 @@
 #include "common/run_tool.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/listings.h"
+#include "tools/rt-trace/merge_command.h"
 #include "tools/rt-trace/options.h"
 #include "tools/rt-trace/trace_rays.h"
 #include "tools/rt-trace/trace_scene.h"
 
+#include <string_view>
+
 namespace {
 
 int body(int argc, const char* const* argv) {
+    if (argc > 1 && argv[1] == std::string_view("merge")) return rt::mergeCommand(argc - 1, argv + 1);
     const std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
     if (!options) return 0;
     rt::prepareGlEnvironment(options->common.threads);

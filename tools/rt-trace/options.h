@@ -5,6 +5,7 @@
 #include "tools/rt-trace/frame_range.h"
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/ray_order.h"
+#include "tools/rt-trace/shard.h"
 #include "tools/rt-trace/tone_map.h"
 
 #include <optional>
@@ -32,7 +33,7 @@ struct TraceOptions {
 
     // Pictures.
     glm::uvec2 size{512, 512};
-    glm::uvec4 window{0, 0, 512, 512}; ///< [xy, zw): all of it, or --crop
+    glm::uvec4 window{0, 0, 512, 512}; ///< [xy, zw): all of it, or --crop, or the shard's part of that
     CameraRequest camera;
     std::vector<LightRequest> lights;
     std::optional<glm::vec3> ambient;      ///< else 0.1, or none with an environment
@@ -45,7 +46,8 @@ struct TraceOptions {
     bool reproducible = false;
 
     // Samples.
-    unsigned samples = 1;
+    unsigned samples = 1;    ///< per pixel, of all shards together
+    SampleRange range{0, 1}; ///< all of them, or the shard's
     std::uint32_t seed = 0;
     unsigned filter = kFilterBox;
     double filterRadius = 0.5;     ///< pixels
@@ -61,6 +63,8 @@ struct TraceOptions {
     std::string checkpointPath, resumePath;
     std::optional<FrameRange> frames;
     std::string cameraPath;
+    std::optional<Shard> shard;
+    glm::uvec4 wholeWindow{0, 0, 512, 512}; ///< `window` of all shards together
 
     // Ray queries.
     std::string raysPath; ///< empty: a picture is wanted

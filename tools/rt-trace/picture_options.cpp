@@ -47,6 +47,7 @@ void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts
     addLightOptions(app, options, texts.light);
     addSampleOptions(app, options, texts.samples);
     addOutputOptions(app, options, texts.output);
+    addShardOptions(app, texts.shard);
 }
 
 void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOptions& options) {
@@ -58,6 +59,7 @@ void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOp
     convertLight(texts.light, options);
     convertSamples(texts.samples, options);
     convertOutput(texts.output, options);
+    convertShard(texts.shard, options);
     checkFrames(options);
     checkNames(options);
     requireEffect(app, options);

@@ -9,6 +9,7 @@ struct PictureTexts {
     LightTexts light;
     SampleTexts samples;
     OutputTexts output;
+    ShardTexts shard;
 };
 
 void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts);
