@@ -66,6 +66,7 @@ std::optional<MergeOptions> parse(int argc, const char* const* argv) {
         ->required()
         ->type_name("FILE")
         ->expected(1)
+        ->allow_extra_args(false) // what follows is an input, not another name
         ->take_all();
     app.add_option("--tonemap", toneMap, "How bright colours fit into a PNG; an EXR stays linear")
         ->check(oneOf(listOf(kToneMapNames)))

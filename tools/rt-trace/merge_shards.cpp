@@ -33,14 +33,21 @@ void keepCommon(const std::vector<ShardFile>& files, Map Image::*attributes, Map
     });
 }
 
+SampleRange rangeOf(const ShardFile& file) {
+    const ShardRecord& record = file.record;
+    return samplesOf({record.index, record.count, record.kind}, record.samples);
+}
+
 void mergeSamples(const std::vector<ShardFile>& files, Image& header) {
     const bool bySamples = files[0].record.kind == ShardKind::Samples;
     std::int32_t samples = 0;
     for (const ShardFile& file : files) {
         const auto found = file.header.ints.find(kSamples);
-        if (found == file.header.ints.end() || found->second < 1)
+        const auto most = static_cast<std::int32_t>(rangeOf(file).count);
+        if (found == file.header.ints.end() || found->second < (bySamples ? most : 1) || found->second > most)
             throw Error(ErrorKind::InvalidContent,
-                        fmt::format("{}: is damaged: it lacks the attribute {}", file.path, kSamples));
+                        fmt::format("{}: is damaged: its attribute {} is missing or not what this shard has",
+                                    file.path, kSamples));
         samples = bySamples ? samples + found->second : std::max(samples, found->second);
     }
     header.ints[kSamples] = samples;
@@ -84,10 +91,7 @@ public:
                                       "have the hash that its header says; render this shard again");
         return rows;
     }
-    unsigned samples() const {
-        const ShardRecord& record = file_->record;
-        return samplesOf({record.index, record.count, record.kind}, record.samples).count;
-    }
+    unsigned samples() const { return rangeOf(*file_).count; }
 
 private:
     const ShardFile* file_;

@@ -23,6 +23,7 @@ struct TraceOptions {
     bool listCameras = false;
     bool explain = false;
     std::string device = "auto";
+    std::string deviceSource = "--device"; ///< or the variable that names it
     bool noShaderCache = false;
     std::optional<std::uint64_t> maxGpuMemory; ///< bytes
     std::string scenePath;

@@ -66,9 +66,9 @@ std::string textIn(const Image& image, const char* key) {
     return found == image.texts.end() ? "" : found->second;
 }
 
-int seedOf(const Image& image) {
+std::string seedOf(const Image& image) {
     const auto found = image.ints.find("rt:seed");
-    return found == image.ints.end() ? 0 : found->second;
+    return found == image.ints.end() ? "none" : fmt::format("{}", found->second);
 }
 
 // What decides a picture, each with a name and a text that is the same if that is.
@@ -83,7 +83,7 @@ Identity identityOf(const ShardFile& file) {
         {"atlas", textIn(image, "rt:atlasHash") + textIn(image, "rt:sceneHash")},
         {"--size", fmt::format("{}x{}", image.frame->width, image.frame->height)},
         {"--crop", fmt::format("{}", fmt::join(record.window, ","))},
-        {"--seed", fmt::format("{}", seedOf(image))},
+        {"--seed", seedOf(image)},
         {"--spp", fmt::format("{}", record.samples)},
         {"--aov", channelsOf(image)},
         {"number of shards", fmt::format("{}", record.count)},
