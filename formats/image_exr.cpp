@@ -173,6 +173,19 @@ Imf::FrameBuffer allocateChannels(const CheckedPart& part, Image& image) {
     return frame;
 }
 
+// What is left if these rows alone are wanted.
+CheckedPart cutToRows(CheckedPart part, const ExrRowRange& rows, const std::string& name) {
+    if (part.plain.isTiled) throwInvalid(name, "holds tiles; pictures of rows are wanted");
+    if (rows.first > part.layout.height || rows.count > part.layout.height - rows.first)
+        throw std::logic_error("rows beyond the picture");
+    part.plain.minY += static_cast<int>(rows.first);
+    part.plain.maxY = part.plain.minY + static_cast<int>(rows.count) - 1;
+    part.header.dataWindow().min.y = part.plain.minY;
+    part.header.dataWindow().max.y = part.plain.maxY;
+    part.layout.height = rows.count;
+    return part;
+}
+
 void readPixels(Imf::MultiPartInputFile& file, int index, const CheckedPart& part, Image& image) {
     const Imf::FrameBuffer frame = allocateChannels(part, image);
     if (part.plain.isTiled) {
@@ -182,7 +195,7 @@ void readPixels(Imf::MultiPartInputFile& file, int index, const CheckedPart& par
     } else {
         Imf::InputPart input(file, index);
         input.setFrameBuffer(frame);
-        input.readPixels(part.plain.minY, part.plain.maxY);
+        if (part.layout.height > 0) input.readPixels(part.plain.minY, part.plain.maxY);
     }
     for (std::size_t c = 0; c < image.channels.size(); ++c) {
         const ExrPartHeader::Channel& source = part.plain.channels[c];
@@ -211,7 +224,7 @@ PixelBox displayWindowOf(const Imf::Header& header) {
 }
 
 PicturePart readPart(Imf::MultiPartInputFile& file, int index, const CheckedPart& checked,
-                     const std::string& name) {
+                     const std::optional<ExrRowRange>& rows, const std::string& name) {
     if (!file.partComplete(index)) throwInvalid(name, "is truncated: some of its pixels are missing");
     const Imf::Header& header = checked.header;
     PicturePart part;
@@ -228,7 +241,7 @@ PicturePart readPart(Imf::MultiPartInputFile& file, int index, const CheckedPart
     part.image.width = part.dataWindow.width();
     part.image.height = part.dataWindow.height();
     readAttributes(header, part.image);
-    readPixels(file, index, checked, part.image);
+    readPixels(file, index, rows ? cutToRows(checked, *rows, name) : checked, part.image);
     return part;
 }
 
@@ -253,7 +266,7 @@ std::vector<CheckedPart> checkParts(std::span<const std::byte> bytes, const Safe
 }
 
 std::vector<PicturePart> decodeChecked(std::span<const std::byte> bytes, const std::string& name,
-                                       const ExrRules& rules) {
+                                       const ExrRules& rules, const std::optional<ExrRowRange>& rows) {
     const SafeExrHeader safe = safeExrHeader(bytes, name, !rules.isPlain);
     InputBytes stream(bytes, safe.bytes, name);
     const std::vector<CheckedPart> checked = checkParts(bytes, safe, stream, name, rules);
@@ -261,14 +274,14 @@ std::vector<PicturePart> decodeChecked(std::span<const std::byte> bytes, const s
     Imf::MultiPartInputFile file(stream, 0, false);
     std::vector<PicturePart> parts;
     for (const CheckedPart& part : checked)
-        parts.push_back(readPart(file, static_cast<int>(parts.size()), part, name));
+        parts.push_back(readPart(file, static_cast<int>(parts.size()), part, rows, name));
     return parts;
 }
 
 std::vector<PicturePart> decodeParts(std::span<const std::byte> bytes, const std::string& name,
-                                     const ExrRules& rules) {
+                                     const ExrRules& rules, const std::optional<ExrRowRange>& rows = {}) {
     try {
-        return decodeChecked(bytes, name, rules);
+        return decodeChecked(bytes, name, rules, rows);
     } catch (const Error&) {
         throw;
     } catch (const std::bad_alloc&) {
@@ -276,6 +289,11 @@ std::vector<PicturePart> decodeParts(std::span<const std::byte> bytes, const std
     } catch (const std::exception& error) { // the library's own, of several types
         throwInvalid(name, fmt::format("is damaged: {}", error.what()));
     }
+}
+
+ImageFrame frameOf(const PicturePart& part) {
+    const PixelBox data = part.dataWindow, whole = part.displayWindow;
+    return {data.x0 - whole.x0, data.y0 - whole.y0, whole.width(), whole.height()};
 }
 
 } // namespace
@@ -287,9 +305,21 @@ std::vector<PicturePart> decodeExrParts(std::span<const std::byte> bytes, const 
 
 Image decodeExr(std::span<const std::byte> bytes, const std::string& name) {
     PicturePart part = std::move(decodeParts(bytes, name, {{}, true}).front());
-    const PixelBox data = part.dataWindow, whole = part.displayWindow;
-    if (data != whole)
-        part.image.frame = {data.x0 - whole.x0, data.y0 - whole.y0, whole.width(), whole.height()};
+    if (part.dataWindow != part.displayWindow) part.image.frame = frameOf(part);
+    return std::move(part.image);
+}
+
+Image decodeExrHeader(std::span<const std::byte> bytes, const std::string& name) {
+    PicturePart part = std::move(decodeParts(bytes, name, {{}, true}, ExrRowRange{}).front());
+    part.image.frame = frameOf(part);
+    return std::move(part.image);
+}
+
+Image decodeExrRows(std::span<const std::byte> bytes, const std::string& name, const ExrRowRange& rows) {
+    PicturePart part = std::move(decodeParts(bytes, name, {{}, true}, rows).front());
+    part.image.frame = frameOf(part);
+    part.image.frame->y += static_cast<std::int32_t>(rows.first);
+    part.image.height = rows.count;
     return std::move(part.image);
 }
 

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <stdexcept>
 
 namespace rt {
@@ -59,6 +60,12 @@ Imf::Header headerOf(const Image& image) {
     return header;
 }
 
+Imf::PixelType typeOf(const ImageChannel& channel) {
+    return channel.type == ImageChannel::Type::Uint   ? Imf::UINT
+           : channel.type == ImageChannel::Type::Half ? Imf::HALF
+                                                      : Imf::FLOAT;
+}
+
 // Finite values stay finite: half ends at 65504.
 std::vector<Imath::half> toHalf(const std::vector<float>& values) {
     constexpr float kMaxHalf = 65504.0f;
@@ -70,30 +77,56 @@ std::vector<Imath::half> toHalf(const std::vector<float>& values) {
 
 } // namespace
 
-std::vector<std::byte> encodeExr(const Image& image) {
-    Imf::Header header = headerOf(image);
+struct ExrEncoder::State {
+    explicit State(const Image& image) : header(headerOf(image)), channels(image.channels.size()) {
+        for (const ImageChannel& channel : image.channels)
+            header.channels().insert(channel.name, Imf::Channel(typeOf(channel)));
+        next = header.dataWindow().min.y;
+        file.emplace(stream, header, 0);
+    }
+
+    Imf::Header header;
+    std::size_t channels;
+    int next = 0; // row
+    OutputBytes stream;
+    std::optional<Imf::OutputFile> file; // its destructor writes the table of offsets
+};
+
+ExrEncoder::ExrEncoder(const Image& header) : state_(std::make_unique<State>(header)) {}
+ExrEncoder::~ExrEncoder() = default;
+
+void ExrEncoder::add(const Image& rows) {
+    Imath::Box2i window = state_->header.dataWindow();
+    if (rows.channels.size() != state_->channels ||
+        rows.width != static_cast<std::uint32_t>(window.max.x - window.min.x) + 1)
+        throw std::logic_error("rows of another picture");
+    window.min.y = state_->next;
+    window.max.y = state_->next + static_cast<int>(rows.height) - 1;
     Imf::FrameBuffer frame;
     std::vector<std::vector<Imath::half>> halves; // must outlive the writing
-    for (const ImageChannel& channel : image.channels) {
+    for (const ImageChannel& channel : rows.channels) {
         const bool isUint = channel.type == ImageChannel::Type::Uint;
-        if ((isUint ? channel.uints.size() : channel.values.size()) != image.pixelCount())
+        if ((isUint ? channel.uints.size() : channel.values.size()) != rows.pixelCount())
             throw std::logic_error("channel " + channel.name + " does not have one value per pixel");
-        Imf::PixelType type = isUint ? Imf::UINT : Imf::FLOAT;
         const void* data = isUint ? static_cast<const void*>(channel.uints.data()) : channel.values.data();
-        if (channel.type == ImageChannel::Type::Half) {
-            type = Imf::HALF;
+        if (channel.type == ImageChannel::Type::Half)
             data = halves.emplace_back(toHalf(channel.values)).data();
-        }
-        header.channels().insert(channel.name, Imf::Channel(type));
-        frame.insert(channel.name, Imf::Slice::Make(type, data, header.dataWindow()));
+        frame.insert(channel.name, Imf::Slice::Make(typeOf(channel), data, window));
     }
-    OutputBytes stream;
-    {
-        Imf::OutputFile file(stream, header, 0);
-        file.setFrameBuffer(frame);
-        file.writePixels(static_cast<int>(image.height));
-    } // the destructor writes the table of offsets
-    return std::move(stream.bytes);
+    state_->file->setFrameBuffer(frame);
+    state_->file->writePixels(static_cast<int>(rows.height));
+    state_->next += static_cast<int>(rows.height);
+}
+
+std::vector<std::byte> ExrEncoder::finish() {
+    state_->file.reset();
+    return std::move(state_->stream.bytes);
+}
+
+std::vector<std::byte> encodeExr(const Image& image) {
+    ExrEncoder encoder(image);
+    encoder.add(image);
+    return encoder.finish();
 }
 
 } // namespace rt

@@ -19,6 +19,10 @@ inline constexpr unsigned kDefaultAovs = kAovDepth | kAovNormal | kAovId;
 /// Those of `--aov all`: the same from run to run, so without the time.
 inline constexpr unsigned kAllAovs = (1u << 10) - 1;
 
+/// What a pixel's first sample sees; the others are means over its samples, but for the variance.
+inline constexpr unsigned kFirstSampleAovs =
+    kAovDepth | kAovNormal | kAovPosition | kAovId | kAovTexcoord | kAovMaterial;
+
 /// Those that need images of their own on the device, all together.
 inline constexpr unsigned kExtraAovs =
     kAovPosition | kAovAlbedo | kAovTexcoord | kAovSteps | kAovTests | kAovTime;

@@ -55,8 +55,8 @@ constexpr Setting kSettings[] = {
     {"channels",
      [](const Made& m) { return bytesOfAll(m.features.hasAovs, m.features.hasMoments, m.features.hasTime); }},
     {"kind of device", [](const Made& m) { return bytesOfAll(m.features.software); }},
-    {"one sample per pixel, in its middle, or several",
-     [](const Made& m) { return bytesOfAll(m.features.multisample); }},
+    {"one sample per pixel, in its middle, or several, and the number of the first",
+     [](const Made& m) { return bytesOfAll(m.features.multisample, m.options.range.first); }},
 };
 static_assert(std::size(kSettings) == kCheckpointSettings);
 
@@ -83,7 +83,7 @@ void requireSame(const std::string& path, const Checkpoint& checkpoint, const Pi
                                        identity.size.x, identity.size.y));
     const auto& [x0, y0, x1, y1] = info.window;
     if (glm::uvec4(x0, y0, x1, y1) != identity.window)
-        throwForeign(path, fmt::format("its part is {},{},{},{}; see --crop", x0, y0, x1, y1));
+        throwForeign(path, fmt::format("its part is {},{},{},{}; see --crop and --shard", x0, y0, x1, y1));
     if (info.atlasHash != identity.atlasHash)
         throwForeign(path, fmt::format("its atlas has the hash {:016x}, not {:016x}", info.atlasHash,
                                        identity.atlasHash));
@@ -93,16 +93,20 @@ void requireSame(const std::string& path, const Checkpoint& checkpoint, const Pi
     std::string different;
     for (std::size_t i = 0; i < kCheckpointSettings; ++i)
         if (info.settings[i] != identity.settings[i])
-            different += (different.empty() ? "" : ", ") + std::string(kSettings[i].name);
+            different += fmt::format("{}{}", different.empty() ? "" : ", ", settingName(i));
     if (!different.empty())
         throwForeign(path, "these settings differ from what is asked for now: " + different);
 }
 
 } // namespace
 
+const char* settingName(std::size_t index) {
+    return kSettings[index].name;
+}
+
 PictureIdentity identityOf(const TraceOptions& options, const PictureSetup& setup,
                            const SceneFeatures& features, std::uint64_t atlasHash) {
-    PictureIdentity identity{atlasHash, {}, options.size, options.window, options.seed, options.samples};
+    PictureIdentity identity{atlasHash, {}, options.size, options.window, options.seed, options.range.count};
     for (std::size_t i = 0; i < kCheckpointSettings; ++i)
         identity.settings[i] = hashOf(kSettings[i].of({options, setup, features}));
     return identity;

@@ -17,6 +17,8 @@ struct PictureIdentity {
     std::uint32_t seed = 0;
     std::uint32_t samples = 0;
 };
+/// What the hash with this index is of, in a user's words.
+const char* settingName(std::size_t index);
 PictureIdentity identityOf(const TraceOptions& options, const PictureSetup& setup,
                            const SceneFeatures& features, std::uint64_t atlasHash);
 

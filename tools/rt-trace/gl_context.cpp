@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/log.h"
+#include "tools/rt-trace/device_choice.h"
 
 #include <dlfcn.h>
 #include <epoxy/egl.h>
@@ -9,7 +10,7 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <string_view>
+#include <optional>
 
 namespace rt {
 namespace {
@@ -17,14 +18,8 @@ namespace {
 struct EglCandidate {
     EGLenum platform = 0;
     void* device = nullptr; // EGLDeviceEXT, or nothing for the platform's default
-    bool software = false;
+    ListedDevice listed = {};
 };
-
-bool hasExtension(const char* extensions, std::string_view name) {
-    if (!extensions) return false;
-    const std::string padded = fmt::format(" {} ", extensions);
-    return padded.find(fmt::format(" {} ", name)) != std::string::npos;
-}
 
 template <class Function>
 Function extensionFunction(const char* name) {
@@ -48,11 +43,21 @@ std::vector<EglCandidate> deviceCandidates() {
     if (!queryDevices || !queryDeviceString || !queryDevices(0, nullptr, &count) || count <= 0) return {};
     std::vector<EGLDeviceEXT> devices(static_cast<std::size_t>(count));
     if (!queryDevices(count, devices.data(), &count)) return {};
+    const auto queryDeviceAttribute =
+        extensionFunction<PFNEGLQUERYDEVICEATTRIBEXTPROC>("eglQueryDeviceAttribEXT");
     std::vector<EglCandidate> candidates;
     for (EGLDeviceEXT device : devices) {
         const char* const extensions = queryDeviceString(device, EGL_EXTENSIONS);
+        const auto queryAttribute = [&](EGLint attribute) -> std::optional<std::intptr_t> {
+            EGLAttrib value = 0;
+            if (!queryDeviceAttribute || !queryDeviceAttribute(device, attribute, &value))
+                return std::nullopt;
+            return value;
+        };
         candidates.push_back(
-            {EGL_PLATFORM_DEVICE_EXT, device, hasExtension(extensions, "EGL_MESA_device_software")});
+            {EGL_PLATFORM_DEVICE_EXT,
+             device,
+             {hasExtension(extensions, "EGL_MESA_device_software"), cudaNumber(extensions, queryAttribute)}});
     }
     return candidates;
 }
@@ -65,7 +70,7 @@ std::vector<EglCandidate> findCandidates() {
          hasExtension(extensions, "EGL_EXT_device_enumeration")))
         candidates = deviceCandidates();
     if (candidates.empty() && hasExtension(extensions, "EGL_MESA_platform_surfaceless"))
-        candidates.push_back({EGL_PLATFORM_SURFACELESS_MESA, nullptr, false});
+        candidates.push_back({EGL_PLATFORM_SURFACELESS_MESA, nullptr});
     if (candidates.empty()) candidates.push_back({});
     return candidates;
 }
@@ -151,13 +156,18 @@ public:
     }
 
     std::size_t size() const { return candidates_.size(); }
-    bool isSoftware(std::size_t i) const { return candidates_[i].software; }
+    std::vector<ListedDevice> listed() const {
+        std::vector<ListedDevice> list;
+        for (const EglCandidate& candidate : candidates_) list.push_back(candidate.listed);
+        return list;
+    }
 
     // Returns nothing, and device.problem says why, if there is no usable context on it.
     std::unique_ptr<GlContext> tryOpen(std::size_t i, GlDevice& device) const {
         device = {};
         device.index = static_cast<unsigned>(i);
-        device.software = candidates_[i].software;
+        device.software = candidates_[i].listed.software;
+        device.cuda = candidates_[i].listed.cuda;
         std::unique_ptr<GlContext> opened(new GlContext);
         const EGLDisplay display = displayOf(candidates_[i]);
         if (display == EGL_NO_DISPLAY || !eglInitialize(display, nullptr, nullptr)) {
@@ -178,26 +188,18 @@ public:
         return opened;
     }
 
-    // A device that counts as hardware may still turn out to render in software: those come last.
     std::unique_ptr<GlContext> openFirst(bool software, std::string& problems) const {
-        for (const bool listedAsSoftware : {software, false}) {
-            for (std::size_t i = 0; i < size(); ++i) {
-                if (isSoftware(i) != listedAsSoftware) continue;
-                GlDevice device;
-                std::unique_ptr<GlContext> context = tryOpen(i, device);
-                if (context && device.software == software) return context;
-                if (!device.problem.empty()) problems += fmt::format("; device {}: {}", i, device.problem);
-            }
-            if (!software) break;
+        for (const std::size_t i : devicesToTry(listed(), software)) {
+            GlDevice device;
+            std::unique_ptr<GlContext> context = tryOpen(i, device);
+            if (context && device.software == software) return context;
+            if (!device.problem.empty()) problems += fmt::format("; device {}: {}", i, device.problem);
         }
         return nullptr;
     }
 
-    std::unique_ptr<GlContext> openIndex(const std::string& text, std::string& problems) const {
-        const std::size_t index = std::stoul(text);
-        if (index >= size())
-            throw Error(ErrorKind::NoGpu,
-                        fmt::format("--device {}: there are {} devices; see --list-devices", text, size()));
+    std::unique_ptr<GlContext> openOne(const DeviceRequest& request, std::string& problems) const {
+        const std::size_t index = findDevice(request, listed());
         GlDevice device;
         std::unique_ptr<GlContext> context = tryOpen(index, device);
         if (!context) problems = fmt::format("; device {}: {}", index, device.problem);
@@ -208,14 +210,16 @@ private:
     std::vector<EglCandidate> candidates_;
 };
 
-std::unique_ptr<GlContext> GlContext::open(const std::string& device) {
+std::unique_ptr<GlContext> GlContext::open(const std::string& device, const std::string& source) {
+    using Kind = DeviceRequest::Kind;
+    const DeviceRequest request = parseDevice(device, source);
     const GlDeviceList devices;
     std::string problems;
     std::unique_ptr<GlContext> context;
-    if (device != "auto" && device != "software") {
-        context = devices.openIndex(device, problems);
+    if (request.kind == Kind::Index || request.kind == Kind::Cuda) {
+        context = devices.openOne(request, problems);
     } else {
-        if (device == "auto") context = devices.openFirst(false, problems);
+        if (request.kind == Kind::Auto) context = devices.openFirst(false, problems);
         if (!context) {
             problems.clear(); // the second round tries the same devices again
             context = devices.openFirst(true, problems);

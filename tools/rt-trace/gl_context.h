@@ -3,6 +3,7 @@
 #include "tools/rt-trace/gpu_memory.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@ namespace rt {
 struct GlDevice {
     unsigned index = 0;
     bool software = false;
+    std::optional<unsigned> cuda; ///< see cudaNumber()
     std::string renderer;
     std::string version;
     std::string driver;
@@ -26,10 +28,10 @@ void prepareGlEnvironment(int threads);
 /// A current OpenGL 4.5 core context without a window. There is at most one at a time.
 class GlContext {
 public:
-    /// `device`: "auto" (hardware first, in the order of the list, then software), "software", or an index of
-    /// listGlDevices().
-    /// Throws Error{NoGpu} if none of them gives such a context.
-    static std::unique_ptr<GlContext> open(const std::string& device);
+    /// `device`: "auto" (hardware first, then software), "software", an index of listGlDevices(), or
+    /// "cuda:N"; see devicesToTry() and findDevice(). `source`: where that was said, for messages. Throws
+    /// Error{NoGpu} if none of them gives such a context, Error{Usage} for other text.
+    static std::unique_ptr<GlContext> open(const std::string& device, const std::string& source = "--device");
 
     ~GlContext();
     GlContext(const GlContext&) = delete;

@@ -25,7 +25,12 @@ std::string memoryText(const GlDevice& device) {
     return text.empty() ? "memory unknown" : text;
 }
 
-nlohmann::json orNull(const std::optional<std::uint64_t>& value) {
+std::string cudaText(const GlDevice& device) {
+    return device.cuda ? fmt::format("  cuda:{}", *device.cuda) : "";
+}
+
+template <class Number>
+nlohmann::json orNull(const std::optional<Number>& value) {
     return value ? nlohmann::json(*value) : nlohmann::json();
 }
 
@@ -56,8 +61,8 @@ std::string deviceList(std::span<const GlDevice> devices) {
     for (const GlDevice& device : devices) {
         const char* const kind = device.software ? "software" : "hardware";
         if (device.problem.empty())
-            text += fmt::format("{}  {}  {}  GL {}  {}  {}\n", device.index, kind, device.renderer,
-                                device.version, device.driver, memoryText(device));
+            text += fmt::format("{}  {}  {}  GL {}  {}  {}{}\n", device.index, kind, device.renderer,
+                                device.version, device.driver, memoryText(device), cudaText(device));
         else
             text += fmt::format("{}  {}  cannot be used: {}\n", device.index, kind, device.problem);
     }
@@ -72,6 +77,7 @@ nlohmann::json devicesToJson(std::span<const GlDevice> devices) {
             entry.update({{"renderer", device.renderer},
                           {"version", device.version},
                           {"driver", device.driver},
+                          {"cudaDevice", orNull(device.cuda)},
                           {"memoryBytes", orNull(device.memory.bytes)},
                           {"freeMemoryBytes", orNull(device.memory.freeBytes)}});
         else

@@ -2,10 +2,13 @@
 #include "common/run_tool.h"
 #include "tools/rt-trace/gl_context.h"
 #include "tools/rt-trace/listings.h"
+#include "tools/rt-trace/merge_command.h"
 #include "tools/rt-trace/options.h"
 #include "tools/rt-trace/picture_recipe.h"
 #include "tools/rt-trace/trace_rays.h"
 #include "tools/rt-trace/trace_scene.h"
+
+#include <string_view>
 
 namespace {
 
@@ -13,6 +16,7 @@ void trace(rt::TraceOptions& options) {
     const std::vector<rt::RecipeInput> inputs = rt::inputsOf(options);
     if (options.raysPath.empty()) {
         options.recipe = rt::recipeOf(options.common.making, inputs);
+        if (!options.wholeMaking.empty()) options.wholeRecipe = rt::recipeOf(options.wholeMaking, inputs);
         if (!rt::isUpToDate(options)) rt::traceScene(options);
     } else {
         rt::traceRays(options);
@@ -23,6 +27,7 @@ void trace(rt::TraceOptions& options) {
 }
 
 int body(int argc, const char* const* argv) {
+    if (argc > 1 && argv[1] == std::string_view("merge")) return rt::mergeCommand(argc - 1, argv + 1);
     std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
     if (!options) return 0;
     rt::prepareGlEnvironment(options->common.threads);

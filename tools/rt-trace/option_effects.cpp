@@ -42,6 +42,9 @@ bool showsHeat(const CLI::App&, const TraceOptions& options) {
 bool hasChannels(const CLI::App&, const TraceOptions& options) {
     return options.outputPaths.empty() || writes(options, ImageFileType::Exr);
 }
+bool isShard(const CLI::App&, const TraceOptions& options) {
+    return options.shard.has_value();
+}
 
 // Those that depend on the scene are elsewhere: checkCamera(), setUpPicture().
 struct EffectRule {
@@ -58,6 +61,7 @@ constexpr EffectRule kRules[] = {
     {"--tonemap", isToneMapped, "a .png among the outputs that does not show --heat"},
     {"--exposure", isExposed, "a .png among the outputs that does not show --heat"},
     {"--heat-max", showsHeat, "--heat"},
+    {"--shard-by", isShard, "--shard"},
     {"--aov", hasChannels, "an .exr among the outputs"},
 };
 

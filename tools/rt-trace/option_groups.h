@@ -48,6 +48,14 @@ void addOutputOptions(CLI::App& app, TraceOptions& options, OutputTexts& texts);
 /// After convertSamples(), which says whether there is a variance.
 void convertOutput(const OutputTexts& texts, TraceOptions& options);
 
+struct ShardTexts {
+    std::string shard;
+    std::string kind = "parts";
+};
+void addShardOptions(CLI::App& app, ShardTexts& texts);
+/// After all the others: they decide what there is to share.
+void convertShard(const ShardTexts& texts, TraceOptions& options);
+
 /// Throws Error{Usage} naming the first option that was given and changes nothing because of the others.
 void requireEffect(const CLI::App& app, const TraceOptions& options);
 

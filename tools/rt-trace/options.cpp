@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "formats/image.h"
+#include "tools/rt-trace/device_choice.h"
 #include "tools/rt-trace/environment.h"
 #include "tools/rt-trace/picture_options.h"
 #include "tools/rt-trace/picture_recipe.h"
@@ -11,11 +12,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 
 namespace rt {
 namespace {
 
 constexpr const char* kQueryGroup = "Ray queries";
+constexpr const char* kDeviceVariable = "RT_DEVICE";
 
 // In the order of their constants.
 constexpr std::array<const char*, 3> kIntersectNames = {"watertight", "moller-trumbore", "baldwin-webber"};
@@ -48,9 +51,12 @@ void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
 }
 
 void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
-    app.add_option("--device", options.device,
-                   "auto (hardware first), software, or an index of --list-devices")
-        ->type_name("auto|software|N")
+    app.add_option(
+           "--device", options.device,
+           fmt::format("auto (hardware first), software, an index of --list-devices, or the number that "
+                       "CUDA gives the device; else what the environment variable {} says",
+                       kDeviceVariable))
+        ->type_name("auto|software|N|cuda:N")
         ->capture_default_str();
     app.add_flag("--list-devices", options.listDevices, "Print the devices and which of them can be used");
     app.add_flag("--list-cameras", options.listCameras, "Print the scene's cameras");
@@ -116,13 +122,14 @@ void convertTexts(const CLI::App& app, const OptionTexts& texts, TraceOptions& o
     if (texts.rayOrder == "scattered") options.rayOrder = RayOrder::Scattered;
 }
 
-void checkDevice(const std::string& device) {
-    const bool index = !device.empty() && device.size() <= 4 &&
-                       std::all_of(device.begin(), device.end(), [](char c) { return c >= '0' && c <= '9'; });
-    if (!index && device != "auto" && device != "software")
-        throw Error(
-            ErrorKind::Usage,
-            fmt::format("--device: '{}' is neither auto, software nor an index of --list-devices", device));
+// What schedulers that start several runs side by side set for each; empty is as good as not set.
+void chooseDevice(const CLI::App& app, TraceOptions& options) {
+    const char* const variable = std::getenv(kDeviceVariable);
+    if (app.get_option("--device")->count() == 0 && variable && *variable) {
+        options.device = variable;
+        options.deviceSource = kDeviceVariable;
+    }
+    parseDevice(options.device, options.deviceSource);
 }
 
 void checkPaths(const TraceOptions& options) {
@@ -173,7 +180,8 @@ std::vector<std::string> outputsOf(const TraceOptions& options) {
 }
 
 std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv) {
-    CLI::App app("Traces pictures or rays through an atlas, on a GPU or on Mesa's software renderer.",
+    CLI::App app("Traces pictures or rays through an atlas, on a GPU or on Mesa's software renderer.\n"
+                 "Another command: rt-trace merge --help (puts the shards of a picture together).",
                  "rt-trace");
     TraceOptions options;
     OptionTexts texts;
@@ -184,6 +192,7 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
                    "A picture, .exr or .png (repeatable), or the hits of --rays")
         ->type_name("FILE")
         ->expected(1)
+        ->allow_extra_args(false)
         ->take_all();
     addPictureOptions(app, options, texts.picture);
     addQueryOptions(app, options, texts);
@@ -194,11 +203,13 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
     checkGroups(app, options);
     if (options.listDevices) return options;
-    checkDevice(options.device);
+    chooseDevice(app, options);
     convertTexts(app, texts, options);
     checkPaths(options);
     checkBuild(options);
-    options.common.making = makingOf(app, options);
+    options.common.making = makingOf(app, options, false);
+    if (options.shard && options.shard->kind == ShardKind::Parts)
+        options.wholeMaking = makingOf(app, options, true);
     return options;
 }
 

@@ -6,6 +6,7 @@
 #include "tools/rt-trace/frame_range.h"
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/ray_order.h"
+#include "tools/rt-trace/shard.h"
 #include "tools/rt-trace/tone_map.h"
 
 #include <optional>
@@ -21,10 +22,14 @@ enum class Kernel { Compute, Multipass };
 struct TraceOptions {
     CommonOptions common;
     Recipe recipe; ///< that the pictures and their report are to carry
+    std::string
+        wholeMaking; ///< of a shard that is a part: the making and, later, the recipe of the whole picture
+    Recipe wholeRecipe;
     bool listDevices = false;
     bool listCameras = false;
     bool explain = false;
     std::string device = "auto";
+    std::string deviceSource = "--device"; ///< or the variable that names it
     bool noShaderCache = false;
     std::optional<std::uint64_t> maxGpuMemory; ///< bytes
     std::string scenePath;
@@ -36,7 +41,7 @@ struct TraceOptions {
 
     // Pictures.
     glm::uvec2 size{512, 512};
-    glm::uvec4 window{0, 0, 512, 512}; ///< [xy, zw): all of it, or --crop
+    glm::uvec4 window{0, 0, 512, 512}; ///< [xy, zw): all of it, or --crop, or the shard's part of that
     CameraRequest camera;
     std::vector<LightRequest> lights;
     std::optional<glm::vec3> ambient;      ///< else 0.1, or none with an environment
@@ -50,7 +55,8 @@ struct TraceOptions {
     bool reproducible = false;
 
     // Samples.
-    unsigned samples = 1;
+    unsigned samples = 1;    ///< per pixel, of all shards together
+    SampleRange range{0, 1}; ///< all of them, or the shard's
     std::uint32_t seed = 0;
     unsigned filter = kFilterBox;
     double filterRadius = 0.5;     ///< pixels
@@ -67,6 +73,8 @@ struct TraceOptions {
     std::optional<FrameRange> frames;
     std::string cameraPath;
     unsigned turntable = 0; ///< frames of a full turn; 0: none
+    std::optional<Shard> shard;
+    glm::uvec4 wholeWindow{0, 0, 512, 512}; ///< `window` of all shards together
 
     // Ray queries.
     std::string raysPath; ///< empty: a picture is wanted

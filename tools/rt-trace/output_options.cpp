@@ -13,7 +13,6 @@ namespace rt {
 namespace {
 
 constexpr std::array<const char*, 3> kHeatNames = {"steps", "tests", "time"}; // from Heat::Steps on
-constexpr std::array<const char*, 4> kToneMapNames = {"none", "reinhard", "aces", "filmic"};
 
 constexpr unsigned kMostSide = 1u << 20; // floats tell the places within a pixel apart up to there
 

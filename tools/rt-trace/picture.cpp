@@ -1,6 +1,7 @@
 #include "tools/rt-trace/picture.h"
 
 #include "tools/rt-trace/checkpoint.h"
+#include "tools/rt-trace/label_shard.h"
 #include "tools/rt-trace/picture_files.h"
 #include "tools/rt-trace/render_image.h"
 #include "tools/rt-trace/shader_variant.h"
@@ -79,7 +80,7 @@ Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const 
     GpuView view(setup.camera, setup.params, setup.lights, scene.plan.features, context.limits(),
                  scene.mostSamples);
     const PictureIdentity identity = identityOf(options, setup, scene.plan.features, scene.file.contentHash);
-    Picture picture{{}, TileSamples(options.window, options.samples), {}, {}};
+    Picture picture{{}, TileSamples(options.window, options.range.count), {}, {}};
     if (!options.resumePath.empty())
         picture.earlierMs = resumeCheckpoint(options.resumePath, identity, film, picture.tiles);
     scene.atlas.bind();
@@ -117,6 +118,7 @@ Image imageOf(const Picture& picture, const TraceOptions& options, const GpuScen
     record.window = options.window;
     Image image = toImage(options.size, picture.pixels, record);
     if (options.recipe.isKnown()) image.texts[kRecipeKey] = options.recipe.mark();
+    if (options.shard) labelShard(image, options, setup, scene.plan.features, scene.file.contentHash);
     return image;
 }
 

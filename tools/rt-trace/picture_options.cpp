@@ -82,6 +82,7 @@ void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts
         ->type_name(fmt::format("{}", fmt::join(kKernelNames, "|")))
         ->capture_default_str()
         ->group("Pictures: what traces them");
+    addShardOptions(app, texts.shard);
 }
 
 void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOptions& options) {
@@ -95,6 +96,7 @@ void convertPictureTexts(const CLI::App& app, const PictureTexts& texts, TraceOp
     convertOutput(texts.output, options);
     options.kernel = static_cast<Kernel>(indexIn(kKernelNames, texts.kernel));
     checkKernel(options);
+    convertShard(texts.shard, options);
     checkFrames(options);
     checkNames(options);
     checkRepeat(options);

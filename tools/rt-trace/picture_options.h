@@ -10,6 +10,7 @@ struct PictureTexts {
     SampleTexts samples;
     OutputTexts output;
     std::string kernel = "compute";
+    ShardTexts shard;
 };
 
 void addPictureOptions(CLI::App& app, TraceOptions& options, PictureTexts& texts);

@@ -12,11 +12,12 @@ std::vector<RecipeInput> inputsOf(const TraceOptions& options) {
     return inputs;
 }
 
-std::string makingOf(const CLI::App& app, const TraceOptions& options) {
+std::string makingOf(const CLI::App& app, const TraceOptions& options, bool wholePicture) {
     std::vector<std::string> neutral{
         "scene",        "--rays",           "--camera-path", "--device",         "--resume",
         "--checkpoint", "--max-gpu-memory", "--explain",     "--no-shader-cache"};
     if (isEnvironmentFile(options.environment)) neutral.push_back("--environment");
+    if (wholePicture) neutral.insert(neutral.end(), {"--shard", "--shard-by"});
     return makingOf(app, options.common, neutral) + (options.device == "software" ? "\nsoftware" : "");
 }
 

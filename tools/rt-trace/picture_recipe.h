@@ -7,7 +7,8 @@ namespace rt {
 std::vector<RecipeInput> inputsOf(const TraceOptions& options);
 
 /// makingOf() the command line. The kind of device counts, hardware or software, but not which device it is.
-std::string makingOf(const CLI::App& app, const TraceOptions& options);
+/// `wholePicture`: of the picture that a shard is of.
+std::string makingOf(const CLI::App& app, const TraceOptions& options, bool wholePicture);
 
 /// Whether --if-changed is given and all pictures, of all frames, and the JSON file carry options.recipe.
 bool isUpToDate(const TraceOptions& options);

@@ -11,7 +11,7 @@ namespace rt {
 namespace {
 
 nlohmann::json samplesToJson(const TraceOptions& options, const Picture& picture) {
-    return {{"wanted", options.samples},
+    return {{"wanted", options.range.count},
             {"least", picture.tiles.least()},
             {"most", picture.tiles.most()},
             {"mean", picture.tiles.mean()},
@@ -29,7 +29,7 @@ void logPicture(const Picture& picture, const TraceOptions& options) {
     const glm::uvec4& window = options.window;
     const double gpuMs = picture.figures.gpuMs;
     std::string figures = fmt::format("{}x{} in {:.2f} ms", window.z - window.x, window.w - window.y, gpuMs);
-    if (options.samples > 1) figures += fmt::format(", {:.4g} samples per pixel", picture.tiles.mean());
+    if (options.range.count > 1) figures += fmt::format(", {:.4g} samples per pixel", picture.tiles.mean());
     if (options.kernel == Kernel::Multipass)
         figures += fmt::format(", {} intersect, {} traverse and {} shade passes", picture.passes.intersect,
                                picture.passes.traverse, picture.passes.shade);

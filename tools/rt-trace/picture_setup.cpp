@@ -47,7 +47,7 @@ RenderParams renderParams(const TraceOptions& options, const Atlas& atlas, bool 
     params.filterSize.x = static_cast<float>(options.filterRadius);
     params.size = {options.size, options.window.x, options.window.y};
     params.region = options.window;
-    params.samples = {0, options.samples, options.seed, options.filter};
+    params.samples = {options.range.first, options.range.count, options.seed, options.filter};
     return params;
 }
 

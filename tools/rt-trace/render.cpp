@@ -88,7 +88,7 @@ void GpuView::renderBatch(const GpuPrograms& programs, const glm::uvec4& region,
                           unsigned count) {
     RenderParams params = params_;
     params.region = region;
-    params.samples.x = first;
+    params.samples.x += first;
     params.samples.y = count;
     updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums

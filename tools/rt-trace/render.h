@@ -35,7 +35,8 @@ public:
     GpuView(const CameraParams& camera, const RenderParams& params, const std::vector<Light>& lights,
             const SceneFeatures& features, const GlLimits& limits, std::uint64_t mostSamples = 1u << 20);
     void bind() const;
-    /// Renders `count` samples from `first` on of each pixel of a region, [xy, zw).
+    /// Renders `count` samples from `first` on, counted from the parameters', of each pixel of a region, [xy,
+    /// zw).
     void render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count);
     /// From now on the times of all that is rendered are added there, which makes it slower.
     void measure(StageTimes& times) { times_ = &times; }

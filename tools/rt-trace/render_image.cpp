@@ -133,6 +133,15 @@ Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& rec
     return image;
 }
 
+std::optional<ChannelRule> channelRule(const std::string& name) {
+    if (name == "id" || name == "material") return ChannelRule::FirstSample;
+    if (name == "variance") return ChannelRule::Variance;
+    for (const ChannelRow& row : kChannels)
+        if (name == row.name)
+            return row.aov & kFirstSampleAovs ? ChannelRule::FirstSample : ChannelRule::Mean;
+    return std::nullopt;
+}
+
 std::vector<std::uint32_t> materialsOf(std::span<const std::uint32_t> ids,
                                        std::span<const glm::uvec4> triangleVertices) {
     std::vector<std::uint32_t> materials;

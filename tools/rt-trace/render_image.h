@@ -4,7 +4,9 @@
 #include "tools/rt-trace/camera.h"
 #include "tools/rt-trace/film.h"
 
+#include <optional>
 #include <span>
+#include <string>
 
 namespace rt {
 
@@ -29,6 +31,11 @@ struct RenderRecord {
 /// forward. worldToNDC: (0, 0) at the top left of the picture, (1, 1) at the bottom right; z = 1 / depth, as
 /// there are no near and far planes, orthographic z = depth. A panorama has none.
 Image toImage(glm::uvec2 size, const FilmPixels& pixels, const RenderRecord& record);
+
+/// What a channel says of a pixel's samples.
+enum class ChannelRule { Mean, FirstSample, Variance };
+/// Nothing for a channel that toImage() does not make.
+std::optional<ChannelRule> channelRule(const std::string& name);
 
 /// Of each triangle of `ids` the material's index in the atlas; kNoTriangle stays what it is.
 std::vector<std::uint32_t> materialsOf(std::span<const std::uint32_t> ids,

@@ -29,7 +29,8 @@ void reportCommon(nlohmann::json& report, const GpuScene& scene, const StageTime
                             {"version", device.version},
                             {"driver", device.driver},
                             {"software", device.software},
-                            {"index", device.index}};
+                            {"index", device.index},
+                            {"cudaDevice", device.cuda ? nlohmann::json(*device.cuda) : nlohmann::json()}};
     report["structure"] = structureName(grid.dims.w);
     report["atlas"] = {{"structure", structureName(grid.dims.w)},
                        {"dims", {grid.dims.x, grid.dims.y, grid.dims.z}},

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <glm/vec3.hpp>
 
 namespace rt {
@@ -10,6 +11,9 @@ enum class ToneMap {
     Aces,     ///< Narkowicz 2015, "ACES Filmic Tone Mapping Curve"
     Filmic,   ///< Hable 2010, "Filmic Tonemapping Operators"; 11.2 becomes white
 };
+
+/// In the order of the enumerators.
+inline constexpr std::array<const char*, 4> kToneMapNames = {"none", "reinhard", "aces", "filmic"};
 
 /// A linear colour in, one for sRGB encoding out, which still needs clamping to [0, 1].
 glm::dvec3 toneMapped(ToneMap map, const glm::dvec3& linear);

@@ -128,7 +128,7 @@ void traceScene(const TraceOptions& given) {
         requireClock(needs, limits);
         const SceneFeatures features = renderFeatures(atlas, needs);
         return {features, static_cast<unsigned>(setup.lights.size()), memoryOf(options, setup, features),
-                samplesToTrace(options.window, options.samples)};
+                samplesToTrace(options.window, options.range.count)};
     };
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
     if (options.explain && options.common.jsonPath != "-")

@@ -1,0 +1,199 @@
+#include "tools/rt-trace/merge_command.h"
+
+#include "common/binary_io.h"
+#include "common/command_line.h"
+#include "common/error.h"
+#include "common/json_file.h"
+#include "common/log.h"
+#include "common/progress.h"
+#include "common/stage_timer.h"
+#include "formats/image_exr.h"
+#include "tools/rt-trace/merge_shards.h"
+#include "tools/rt-trace/option_values.h"
+#include "tools/rt-trace/picture_files.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace rt {
+namespace {
+
+const char* const kDescription =
+    "Puts the shards of a picture together, which rt-trace --shard has rendered. All of them have to be "
+    "there, "
+    "in any\n"
+    "order. Shards of rows give the picture as one run would have, to the bit; shards of samples do within "
+    "rounding.\n"
+    "Needs no GPU.";
+
+struct MergeOptions {
+    std::vector<std::string> shardPaths;
+    std::vector<std::string> outputPaths;
+    ToneMap toneMap = ToneMap::None;
+    double exposureStops = 0.0;
+    MemoryLimit memory = defaultMemoryLimit();
+    CommonOptions common;
+};
+
+bool isPng(const std::string& path) {
+    return imageFileType(path) == ImageFileType::Png;
+}
+
+void check(const CLI::App& app, const MergeOptions& options) {
+    for (const std::string& path : options.outputPaths)
+        if (!imageFileType(path))
+            throw Error(ErrorKind::Usage, fmt::format("-o {}: pictures end in .exr or .png", path));
+    const bool png = std::any_of(options.outputPaths.begin(), options.outputPaths.end(), isPng);
+    for (const char* const option : {"--tonemap", "--exposure"})
+        if (!png && app.get_option(option)->count() > 0)
+            throw Error(ErrorKind::Usage, fmt::format("{} needs a .png among the outputs", option));
+    std::vector<std::string> outputs = options.outputPaths;
+    outputs.push_back(options.common.jsonPath);
+    requireDistinctPaths(options.shardPaths, outputs);
+}
+
+std::optional<MergeOptions> parse(int argc, const char* const* argv) {
+    MergeOptions options;
+    std::string toneMap = kToneMapNames[0], maxMemory;
+    CLI::App app(kDescription, "rt-trace merge");
+    app.add_option("shards", options.shardPaths, "Inputs: every shard of the picture")
+        ->required()
+        ->type_name("part.exr...");
+    app.add_option("-o,--output", options.outputPaths, "The picture, .exr or .png; repeatable")
+        ->required()
+        ->type_name("FILE")
+        ->expected(1)
+        ->allow_extra_args(false) // what follows is an input, not another name
+        ->take_all();
+    app.add_option("--tonemap", toneMap, "How bright colours fit into a PNG; an EXR stays linear")
+        ->check(oneOf(listOf(kToneMapNames)))
+        ->type_name(fmt::format("{}", fmt::join(kToneMapNames, "|")))
+        ->capture_default_str();
+    app.add_option("--exposure", options.exposureStops, "Brightens a PNG by 2^STOPS")
+        ->check(numberBetween(-100.0, 100.0))
+        ->type_name("STOPS")
+        ->capture_default_str();
+    app.add_option("--max-memory", maxMemory,
+                   fmt::format("Most that the picture may take, {} unless this says otherwise",
+                               options.memory.origin))
+        ->type_name("SIZE[K|M|G]");
+    addCommonOptions(app, options.common, fmt::format("OpenEXR {}", RT_OPENEXR_VERSION));
+    if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
+    if (!maxMemory.empty()) options.memory = {parseByteSize(maxMemory, "--max-memory"), "--max-memory"};
+    options.toneMap = static_cast<ToneMap>(indexIn(kToneMapNames, toneMap));
+    check(app, options);
+    return options;
+}
+
+/// The picture as the outputs are to have it, filled row by row.
+class MergedPicture {
+public:
+    MergedPicture(const Image& header, const std::vector<std::string>& paths) {
+        if (!std::all_of(paths.begin(), paths.end(), isPng)) exr_.emplace(header);
+        if (std::none_of(paths.begin(), paths.end(), isPng)) return;
+        screen_.emplace().width = header.width;
+        screen_->height = header.height;
+        for (const ImageChannel& channel : header.channels)
+            if (isColor(channel)) screen_->channels.push_back(channel);
+    }
+
+    void add(const Image& rows) {
+        if (exr_) exr_->add(rows);
+        if (!screen_) return;
+        auto to = screen_->channels.begin();
+        for (const ImageChannel& channel : rows.channels) {
+            if (!isColor(channel)) continue;
+            to->values.insert(to->values.end(), channel.values.begin(), channel.values.end());
+            ++to;
+        }
+    }
+
+    /// Both are encoded before either is written.
+    void write(const MergeOptions& options, const Recipe& recipe) {
+        std::vector<std::byte> exr, png;
+        if (exr_) exr = sealed(exr_->finish(), recipe);
+        if (screen_)
+            png = encodeImage("picture.png",
+                              forScreen(std::move(*screen_), options.toneMap, options.exposureStops));
+        for (const std::string& path : options.outputPaths) writeFile(path, isPng(path) ? png : exr);
+    }
+
+    /// At most: how well pixels can be compressed is not known before.
+    static std::uint64_t bytesFor(const Image& header, bool png) {
+        std::uint64_t perPixel = 0;
+        for (const ImageChannel& channel : header.channels)
+            perPixel += channel.type == ImageChannel::Type::Half ? 2 : 4;
+        constexpr std::uint64_t kScreenBytes = 2 * 3 * sizeof(float) + 3; // with a copy, and as 8 bits
+        return header.pixelCount() * (perPixel + (png ? kScreenBytes : 0));
+    }
+
+private:
+    static bool isColor(const ImageChannel& channel) {
+        return channel.name == "R" || channel.name == "G" || channel.name == "B";
+    }
+
+    std::optional<ExrEncoder> exr_;
+    std::optional<Image> screen_; // R, G, B
+};
+
+void requireMemory(const MergeOptions& options, const Image& header) {
+    const bool png = std::any_of(options.outputPaths.begin(), options.outputPaths.end(), isPng);
+    const std::uint64_t bytes = MergedPicture::bytesFor(header, png);
+    if (bytes > options.memory.bytes)
+        throw Error(ErrorKind::LimitExceeded,
+                    fmt::format("{}: its picture of {}x{} pixels may take {} MiB; the limit is {} MiB ({}); "
+                                "raise --max-memory",
+                                options.shardPaths[0], header.width, header.height, bytes >> 20,
+                                options.memory.bytes >> 20, options.memory.origin));
+}
+
+nlohmann::json reportOf(const std::vector<ShardFile>& files, const Image& header, const StageTimer& stages) {
+    nlohmann::json report = {{"tool", "rt-trace merge"},
+                             {"shards", files.size()},
+                             {"shardBy", files[0].record.kind == ShardKind::Parts ? "parts" : "samples"},
+                             {"width", header.width},
+                             {"height", header.height},
+                             {"samplesPerPixel", header.ints.at("samplesPerPixel")}};
+    if (const auto seconds = header.floats.find("renderTimeSeconds"); seconds != header.floats.end())
+        report["renderTimeSeconds"] = seconds->second;
+    for (const auto& [stage, ms] : stages.stagesMs()) report[stage + "Ms"] = ms;
+    report["peakMemoryBytes"] = peakMemoryBytes();
+    return report;
+}
+
+} // namespace
+
+int mergeCommand(int argc, const char* const* argv) {
+    const std::optional<MergeOptions> options = parse(argc, argv);
+    if (!options) return 0;
+    const std::string& jsonPath = options->common.jsonPath;
+    for (const std::string& path : options->outputPaths) requireWritable(path);
+    if (!jsonPath.empty()) requireWritable(jsonPath);
+    StageTimer stages;
+    stages.begin("open");
+    const std::vector<ShardFile> files = openShards(options->shardPaths);
+    const Image header = mergedHeader(files);
+    requireMemory(*options, header);
+    stages.begin("merge");
+    MergedPicture picture(header, options->outputPaths);
+    {
+        Progress progress("rows", header.height);
+        double done = 0.0;
+        mergeRows(files, [&](const Image& rows) {
+            picture.add(rows);
+            progress.update(done += rows.height);
+        });
+    }
+    stages.begin("write");
+    picture.write(*options, wholeRecipeOf(files));
+    stages.end();
+    logInfo(fmt::format("{} shards make {}x{} pixels", files.size(), header.width, header.height));
+    logStages(stages);
+    if (!jsonPath.empty()) writeJson(jsonPath, reportOf(files, header, stages));
+    return 0;
+}
+
+} // namespace rt
