@@ -177,7 +177,7 @@ def add_render(builder, name, render):
         made = [base] if first is None else [base % frame for frame in range(first, last + 1)]
         if shards == 1:
             outputs = [f"{stem}{end}" for stem in made for end in (".exr", ".png")]
-            words = [atlas, "-o", f"{base}.exr", "-o", f"{base}.png", *frames, *options]
+            words = [atlas, "-o", f"{base}.exr", "-o", f"{base}.png", *render.get("pngOptions", []), *frames, *options]
             builder.add("trace", id, f"trace-{name}", words, [atlas, *files], outputs, render)
         else:
             add_shards(builder, name, render, id, base, [atlas, *options, *frames], [atlas, *files], made[0])
@@ -195,7 +195,7 @@ def add_shards(builder, name, render, id, base, words, inputs, stem):
         builder.add("trace", f"{id}-{i}of{count}", f"trace-{name}", [*words, "-o", f"{base}.{part}", *shard],
                     inputs, [parts[-1]], render)  # fmt: skip
     outputs = [f"{stem}.exr", f"{stem}.png"]
-    merge = ["merge", *parts, "-o", outputs[0], "-o", outputs[1], "--if-changed"]
+    merge = ["merge", *parts, "-o", outputs[0], "-o", outputs[1], *render.get("pngOptions", [])]
     builder.add("merge", id.replace("trace-", "merge-", 1), f"merge-{name}", merge, parts, outputs, render)
 
 

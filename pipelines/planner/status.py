@@ -32,17 +32,15 @@ def run_status(graph, folder):
 def step_status(step, folder, found, queue):
     record = read_record(folder, step)
     attempts = record["attempts"] if record else []
-    queued = queue.get(step.id) if queue else None
     if is_running(folder, step):
         return StepStatus(step, "running", place_of(attempts), attempts)
+    if queue and step.id in queue:
+        return StepStatus(step, "waiting", f"Slurm job {queue[step.id]}", attempts)
     if record and record["state"] != "running":
-        if record["state"] != "failed" or not queued:
-            return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
+        return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
     stopped = [id for id in step.depends_on if found[id].state in ("failed", "blocked")]
     if stopped:
         return StepStatus(step, "blocked", f"{stopped[0]} {found[stopped[0]].state}", attempts)
-    if queued:
-        return StepStatus(step, "waiting", f"Slurm job {queued}", attempts)
     if record:
         return StepStatus(step, "failed", "cut off: its process ended without a word", attempts)
     if queue is not None:
