@@ -72,7 +72,7 @@ def faults_of_comparison(place, comparison, renders):
     frames = renders[comparison["render"]].get("frames")
     if "against" in comparison and renders[comparison["against"]].get("frames") != frames:
         yield f"{place}.against", f"has other frames than '{comparison['render']}'"
-    is_sequence = re.search(r"%(0\d)?d", comparison.get("golden", ""))
+    is_sequence = re.search(r"%(0\d+)?d", comparison.get("golden", ""))
     if "golden" in comparison and bool(is_sequence) != bool(frames):
         yield f"{place}.golden", "wants a number like %04d in its name where there are frames, and only there"
 

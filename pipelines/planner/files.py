@@ -48,3 +48,11 @@ def try_lock(handle, how=fcntl.LOCK_EX):
         return True
     except BlockingIOError:
         return False
+
+
+def tail(path, lines=40):
+    """The end of a log, or nothing if there is none."""
+    try:
+        return "\n".join(path.read_text(encoding="utf-8", errors="replace").splitlines()[-lines:])
+    except OSError:
+        return ""

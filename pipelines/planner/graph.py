@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 
 from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import read_text, write_whole
@@ -53,8 +54,8 @@ class Step:
 class Graph:
     name: str
     steps: list  # each after those that it depends on
-    renders: dict  # name: [{"frame", "exr", "step"}]
-    comparisons: dict  # name: {"step", "page", "figures", "render", "golden"}
+    renders: dict  # name: [{"exr", "step"}]
+    comparisons: dict  # name: [{"step", "page", "figures", "exr", "golden"}]
 
     def groups(self):
         """{name: steps}, in order."""
@@ -224,20 +225,30 @@ def frame_ranges(render):
 
 
 def add_comparison(builder, name, comparison, renders):
-    render = comparison["render"]
-    description = builder.description["renders"][render]
-    number = ".%04d" if "frames" in description else ""
-    golden = builder.source(comparison["golden"]) if "golden" in comparison else ""
-    reference = golden or f"{comparison['against']}/{comparison['against']}{number}.exr"
+    """A step for each picture, because each has a page of its own."""
+    pictures = renders[comparison["render"]]
+    frames = frames_of(builder.description["renders"][comparison["render"]])
+    number = ["" if frame is None else f".{frame:04d}" for frame in frames]
+    if "golden" in comparison:
+        golden = builder.source(comparison["golden"])
+        references = [re.sub(r"%(0\d+)?d", lambda found: found[0] % int(n[1:]), golden) if n else golden for n in number]
+    else:
+        references = [picture["exr"] for picture in renders[comparison["against"]]]
     options, files = builder.words(comparison.get("options", []))
     limits = [word for key, value in comparison.get("limits", {}).items() for word in (f"--{key}", str(value))]
-    page, figures = f"{name}.html", f"{name}.json"
-    words = [f"{render}/{render}{number}.exr", reference, *limits, "--html", page, "--json", figures,
-             *builder.threads("compare", comparison), *options]  # fmt: skip
-    pictures = [picture["exr"] for picture in renders[render]]
-    first, last = description.get("frames", (0, 0))
-    references = [golden % frame if number else golden for frame in range(first, last + 1)] if golden else [
-        picture["exr"] for picture in renders[comparison["against"]]]  # fmt: skip
-    id, stamp = f"compare-{name}", f"{name}.passed"
-    builder.add("compare", id, id, words, pictures + references + files, [stamp], comparison, stamp=stamp)
-    return {"step": id, "page": page, "figures": figures, "render": render, "golden": references if golden else []}
+    made = []
+    for picture, reference, n in zip(pictures, references, number):
+        stem, id = (f"{name}/{name}{n}", f"compare-{name}{n.replace('.', '-')}")
+        words = [picture["exr"], reference, *limits, "--html", f"{stem}.html", "--json", f"{stem}.json",
+                 *builder.threads("compare", comparison), *options]  # fmt: skip
+        builder.add("compare", id, f"compare-{name}", words, [picture["exr"], reference, *files], [f"{stem}.passed"], comparison,
+                    stamp=f"{stem}.passed")  # fmt: skip
+        golden = reference if "golden" in comparison else ""
+        made.append({"step": id, "page": f"{stem}.html", "figures": f"{stem}.json", "exr": picture["exr"], "golden": golden})
+    return made
+
+
+def frames_of(render):
+    """[None] of a still."""
+    first, last = render.get("frames", (None, None))
+    return [None] if first is None else range(first, last + 1)

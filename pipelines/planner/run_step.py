@@ -15,7 +15,7 @@ from planner.files import open_lock, read_text, write_whole
 from planner.graph import load_graph
 
 UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
-ERROR = re.compile(r"^(rt-\w+: error: .*)$", re.MULTILINE)
+REASON = re.compile(r"^(rt-\w+: error: .*|limit: .*: broken|verdict: .*)$", re.MULTILINE)
 PAUSE_SECONDS = 0.5
 
 
@@ -137,10 +137,10 @@ def verdict(folder, step, code, said):
     up_to_date = UP_TO_DATE.search(said)
     if code == 0:
         return 0, "skipped" if up_to_date else "done", up_to_date[1] if up_to_date else ""
-    errors = ERROR.findall(said)
+    reasons = REASON.findall(said)
     if code > 128:
         return code, "failed", f"ended by {signal_name(code - 128)}"
-    return code, "failed", errors[-1] if errors else f"exit code {code}"
+    return code, "failed", reasons[0] if reasons else f"exit code {code}"
 
 
 def signal_name(number):
