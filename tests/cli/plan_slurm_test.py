@@ -30,12 +30,12 @@ DESCRIPTION = {
     "comparisons": {"same": {"render": "around", "against": "whole"}},
     "resources": {stage: NEEDS for stage in ("import", "grid", "trace", "merge", "compare")},
 }
-# rt-trace, but: a shard of frame 2 fails the first time, and those of frames 4 and 8 wait while hold.* is there.
+# rt-trace, but: a shard of frame 2 fails the first time, one of frame 4 and both of frame 8 wait while hold.* is there.
 FAULTY = """#!/bin/sh
 case "$*" in
 *--frames\\ 2-2\\ *--shard\\ 1/*) [ -e {0}/failed ] || {{ : >{0}/failed; echo 'rt-trace: error: the GPU went away' >&2; exit 6; }} ;;
 *--frames\\ 4-4\\ *--shard\\ 1/*) : >{0}/at.4; while [ -e {0}/hold.4 ]; do sleep 0.05; done ;;
-*--frames\\ 8-8\\ *--shard\\ 2/*) : >{0}/at.8; while [ -e {0}/hold.8 ]; do sleep 0.05; done ;;
+*--frames\\ 8-8\\ *--shard\\ *) : >>{0}/at.8; echo >>{0}/at.8; while [ -e {0}/hold.8 ]; do sleep 0.05; done ;;
 esac
 exec {1}/rt-trace "$@"
 """
@@ -84,16 +84,21 @@ def run_with_faults(trial, cluster):
     cluster.wait_for(lambda: "down" in cluster.ask("sinfo", "-h", "-o", "%t"), "Slurm does not see that the node is dead", 60)
     (trial.folder / "hold.4").unlink()
     cluster.start_node()
-    cluster.wait_for(lambda: (trial.folder / "at.8").exists(), "the shard of frame 8 does not start", 60)
+    shards_of_8 = lambda: (trial.folder / "at.8").exists() and len((trial.folder / "at.8").read_text()) == SHARDS
+    cluster.wait_for(shards_of_8, "the shards of frame 8 do not start", 60)
+    time.sleep(6)  # slurmctld saves what it started within 5 s; see pipelines/README.md for what it had no time to save
     cluster.kill("slurmctld")
     print(f"{time.monotonic() - begin:5.1f} s: controller killed")
-    (trial.folder / "hold.8").unlink()  # so that a shard ends while nobody listens
+    (trial.folder / "hold.8").unlink()  # so that shards end while nobody listens
     time.sleep(1)
     cluster.start_controller()
-    cluster.wait_for(lambda: trial.status(cluster, "slurm")[0] in (0, 1), "not all steps end", 120)
-    code, steps = trial.status(cluster, trial.folder / "slurm")
+    try:
+        cluster.wait_for(lambda: trial.status(cluster, trial.folder / "slurm")[0] in (0, 1), "not all steps end", 90)
+    finally:
+        code, steps = trial.status(cluster, trial.folder / "slurm")
+        print("\n".join(f"{step['id']} {step['state']} {step['why']}" for step in steps if step["state"] not in ("done", "skipped")))
     print(f"{time.monotonic() - begin:5.1f} s: all steps ended")
-    assert code == 0, "\n".join(f"{step['id']} {step['state']} {step['why']}" for step in steps if step["state"] != "done")
+    assert code == 0, f"plan status ended with {code}"
     cluster.wait_for(lambda: (trial.folder / "slurm/junit.xml").exists(), "the summary is not written", 60)
     return {step["id"]: step for step in steps}
 
