@@ -5,16 +5,25 @@ import json
 import os
 import pathlib
 import re
+import shutil
+import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import xml.etree.ElementTree as ET
+import zlib
 
 import jsonschema
+import numpy
 
 ROOT, TOOLS = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 PLAN = ROOT / "pipelines" / "plan"
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "pipelines"))
+from planner import thumbnail  # noqa: E402
+
 MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 PATH = [{"frame": 1, "eye": [3, 2, 0], "lookAt": [0, 0.4, 0]}, {"frame": 2, "eye": [0, 2, 3], "lookAt": [0, 0.4, 0]}]
 LOOK = {"atlas": "tent", "size": [64, 64], "options": ["--light", "point:2,4,1"]}
@@ -248,6 +257,69 @@ class RunTest(PlanTest):
         self.call("step", "tent", "import-tent")
         state = self.states(expect=10)["import-tent"]
         self.assertEqual((state["state"], state["why"]), ("skipped", "rt-import: up to date: tent.rtmesh"))
+
+
+    def test_a_golden_that_is_missing_fails_until_it_is_there(self):
+        comparison = {"gate": {"render": "still", "golden": "golden/still.exr"}}
+        self.describe({"scenes": GOOD["scenes"], "atlases": GOOD["atlases"], "renders": {"still": LOOK}, "comparisons": comparison})
+        self.assertIn("golden/still.exr", self.call("run", "tent.plan.json", expect=1))
+        (self.folder / "golden").mkdir()
+        shutil.copy(self.folder / "tent/still/still.exr", self.folder / "golden/still.exr")
+        self.assertIn("4 steps: 4 done", self.call("run", "tent.plan.json"))
+        self.assertIn("no work to do", self.call("run", "tent.plan.json"))
+        (self.folder / "golden/still.exr").write_bytes(b"no picture")
+        self.assertIn("compare-gate", self.call("run", "tent.plan.json", expect=1))
+        self.assertFalse((self.folder / "tent/gate/gate.passed").exists())
+
+    def test_a_step_that_was_cut_off_goes_on_and_is_not_run_twice_at_a_time(self):
+        self.describe()
+        self.stand_in("")
+        self.write("tools/rt-import", "#!/bin/sh\necho x >>starts; while [ ! -e go ]; do sleep 0.02; done; : >tent.rtmesh\n", 0o755)
+        self.call("tent.plan.json", "--ninja", "n")
+        words = [sys.executable, PLAN, "step", "tent", "import-tent"]
+        first = subprocess.Popen(words, cwd=self.folder, env=self.environment)
+        starts = self.folder / "tent/starts"
+        self.wait_for(starts.exists)
+        first.kill()  # the tool goes on, and holds the lock
+        first.wait()
+        second = subprocess.Popen(words, cwd=self.folder, env=self.environment)
+        time.sleep(0.3)
+        self.assertEqual(starts.read_text(), "x\n")
+        self.assertEqual(self.states(expect=10)["import-tent"]["state"], "running")
+        (self.folder / "tent/go").touch()
+        self.assertEqual(second.wait(timeout=20), 0)
+        state = self.states(expect=10)["import-tent"]
+        self.assertEqual([attempt["why"] for attempt in state["attempts"]], ["cut off", ""])
+
+    def wait_for(self, condition):
+        end = time.monotonic() + 20
+        while not condition():
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.02)
+
+
+class ThumbnailTest(unittest.TestCase):
+    def test_all_filters_are_undone_and_pixels_averaged(self):
+        height, width, channels = 10, 12, 3
+        pixels = numpy.random.default_rng(1).integers(0, 256, (height, width, channels))
+        rows, above = b"", numpy.zeros((width, channels), int)
+        for y, row in enumerate(pixels):
+            left, corner = (numpy.vstack([numpy.zeros((1, channels), int), line[:-1]]) for line in (row, above))
+            wanted = left + above - corner
+            gaps = numpy.stack([abs(wanted - candidate) for candidate in (left, above, corner)])
+            nearest = numpy.choose(gaps.argmin(axis=0), [left, above, corner])
+            guess = [0 * row, left, above, (left + above) // 2, nearest][y % 5]
+            rows += bytes([y % 5]) + ((row - guess) % 256).astype(numpy.uint8).tobytes()
+            above = row
+        header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+        chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows)[:20]), (b"IDAT", zlib.compress(rows)[20:]), (b"IEND", b""))
+        small = thumbnail.thumbnail(thumbnail.SIGNATURE + b"".join(thumbnail.chunk(*chunk) for chunk in chunks), 6)
+        parts = dict(thumbnail.chunks_of(small))
+        self.assertEqual(struct.unpack(">II", parts[b"IHDR"][:8]), (6, 5))
+        values = numpy.frombuffer(zlib.decompress(parts[b"IDAT"]), numpy.uint8).reshape(5, 19)[:, 1:].reshape(5, 6, channels)
+        expected = pixels.reshape(5, 2, 6, 2, channels).sum(axis=(1, 3)) // 4
+        self.assertTrue((values == expected).all())
+        self.assertIsNone(thumbnail.thumbnail(b"no picture", 6))
 
 
 class WholeTest(PlanTest):
