@@ -1,5 +1,6 @@
 #include "common/command_line.h"
 
+#include "common/binary_io.h"
 #include "common/error.h"
 #include "common/log.h"
 

@@ -1,0 +1,93 @@
+"""Reads a pipeline description (*.plan.json): see plan.schema.json."""
+import json
+import pathlib
+import re
+
+from planner.errors import INVALID_CONTENT, PlanError
+from planner.files import read_text
+from planner.schema import first_fault
+
+SCHEMA = pathlib.Path(__file__).resolve().parent.parent / "plan.schema.json"
+
+
+def read_description(path):
+    """The checked content, whose names all lead somewhere. Throws PlanError with the JSON path of the first fault."""
+    try:
+        content = json.loads(read_text(path), object_pairs_hook=without_repeats)
+    except ValueError as error:
+        raise PlanError(INVALID_CONTENT, f"{path}: {error}") from None
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    fault = first_fault(content, schema, schema) or next(faults_of(content, path.parent), None)
+    if fault:
+        raise PlanError(INVALID_CONTENT, f"{path}: {fault[0]}: {fault[1]}")
+    return content
+
+
+def without_repeats(pairs):
+    content = dict(pairs)
+    if len(content) != len(pairs):
+        names = [name for name, _ in pairs]
+        raise ValueError(f"'{next(name for name in names if names.count(name) > 1)}' is there twice")
+    return content
+
+
+def faults_of(content, folder):
+    """What the schema cannot say."""
+    yield from faults_of_names(content)
+    for name, render in content["renders"].items():
+        yield from faults_of_render(f"$.renders.{name}", render)
+    for name, comparison in content.get("comparisons", {}).items():
+        yield from faults_of_comparison(f"$.comparisons.{name}", comparison, content["renders"])
+    for place, file in files_of(content, "$"):
+        if not (folder / file).exists():
+            yield place, f"there is no file {folder / file}"
+
+
+def faults_of_names(content):
+    links = [("atlases", "scene", "scenes"), ("renders", "atlas", "atlases"), ("comparisons", "render", "renders"),
+             ("comparisons", "against", "renders")]  # fmt: skip
+    for kind, key, target in links:
+        for name, item in content.get(kind, {}).items():
+            if key in item and item[key] not in content[target]:
+                there = ", ".join(content[target])
+                yield f"$.{kind}.{name}.{key}", f"'{item[key]}' is none of $.{target}, which are {there}"
+
+
+def faults_of_render(place, render):
+    first, last = render.get("frames", (0, 0))
+    if last < first:
+        yield f"{place}.frames", f"the last, {last}, is before the first, {first}"
+    if "frames" not in render and ("framesPerStep" in render or "cameraPath" in render):
+        yield place, "framesPerStep and cameraPath need frames"
+    if render.get("shards", 1) > 1 and render.get("framesPerStep", 1) > 1:
+        yield f"{place}.framesPerStep", "shards split a frame, framesPerStep joins frames: give one of them"
+    if "shardBy" in render and render.get("shards", 1) == 1:
+        yield f"{place}.shardBy", "needs shards, 2 or more"
+
+
+def faults_of_comparison(place, comparison, renders):
+    if ("against" in comparison) == ("golden" in comparison):
+        yield place, "wants either 'against', a render, or 'golden', a picture"
+        return
+    frames = renders[comparison["render"]].get("frames")
+    if "against" in comparison and renders[comparison["against"]].get("frames") != frames:
+        yield f"{place}.against", f"has other frames than '{comparison['render']}'"
+    is_sequence = re.search(r"%(0\d+)?d", comparison.get("golden", ""))
+    if "golden" in comparison and bool(is_sequence) != bool(frames):
+        yield f"{place}.golden", "wants a number like %04d in its name where there are frames, and only there"
+
+
+def files_of(content, place):
+    """(JSON path, name) of all input files but goldens, which may be made only after a first render."""
+    if isinstance(content, list):
+        for i, item in enumerate(content):
+            yield from files_of(item, f"{place}[{i}]")
+    if not isinstance(content, dict):
+        return
+    for key, item in content.items():
+        if key in ("file", "cameraPath"):
+            yield f"{place}.{key}", item
+        elif key == "inputs":
+            yield from ((f"{place}.inputs[{i}]", file) for i, file in enumerate(item))
+        else:
+            yield from files_of(item, f"{place}.{key}")

@@ -1,0 +1,62 @@
+"""Spreads steps over the devices of this machine: one lock for each, held by whoever uses it."""
+import contextlib
+import os
+import pathlib
+import time
+
+from planner.errors import FILE_ACCESS, USAGE, PlanError
+from planner.files import open_lock, try_lock
+
+POLL_SECONDS = 0.02
+
+
+def device_slots(environment):
+    """[(slot, device)]: of RT_DEVICES, of the GPUs that Slurm gave this job, or one for what rt-trace finds itself ("").
+
+    A device may be named several times, and then takes so many steps at once. Empty where Slurm alone decides what runs.
+    """
+    text = environment.get("RT_DEVICES", "")
+    if text:
+        devices = [device.strip() for device in text.split(",")]
+        if not all(devices):
+            raise PlanError(USAGE, f"RT_DEVICES: '{text}' has an empty name; wanted is a list like cuda:0,cuda:1")
+        return [(f"{device}#{devices[:i].count(device) + 1}", device) for i, device in enumerate(devices)]
+    if "SLURM_JOB_ID" in environment:
+        gpus = [gpu for gpu in environment.get("SLURM_JOB_GPUS", "").split(",") if gpu]
+        return [(f"cuda:{gpu}#1", f"cuda:{gpu}") for gpu in gpus]
+    return [("auto#1", "")]
+
+
+def lock_folder(environment):
+    """Of this machine, not of the pipeline: two pipelines share the devices too."""
+    folder = pathlib.Path(environment.get("RT_DEVICE_LOCKS") or f"/tmp/rt-devices-{os.getuid()}")
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    except OSError as error:
+        raise PlanError(FILE_ACCESS, f"{folder}: cannot be made: {error.strerror}") from None
+    if folder.stat().st_uid != os.getuid():
+        raise PlanError(FILE_ACCESS, f"{folder}: belongs to another user; name a folder in RT_DEVICE_LOCKS")
+    return folder
+
+
+@contextlib.contextmanager
+def device(environment):
+    """Waits for a free slot; gives (slot, device, handle of its lock), or ("", "", None) where there is nothing to lock."""
+    slots = device_slots(environment)
+    folder = lock_folder(environment)
+    handles = []
+    try:
+        for slot, name in slots:
+            handles.append((open_lock(folder / (slot.replace("/", "_") + ".lock")), slot, name))
+        yield wait_for_one(handles) if handles else ("", "", None)
+    finally:
+        for handle, _, _ in handles:
+            os.close(handle)
+
+
+def wait_for_one(handles):
+    while True:
+        for handle, slot, name in handles:
+            if try_lock(handle):
+                return slot, name, handle
+        time.sleep(POLL_SECONDS)

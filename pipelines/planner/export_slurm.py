@@ -1,0 +1,90 @@
+"""A set of Slurm jobs: an array for each group of steps, tied by afterok, and submit.sh, which hands them in."""
+import shlex
+
+from planner.files import write_whole
+
+ARRAY_LIMIT = 1000  # MaxArraySize is 1001 where nobody changed it
+RETRIES = 2
+
+JOB = """#!/bin/sh
+#SBATCH --job-name={name}
+#SBATCH --array=1-{count}
+#SBATCH --chdir={folder}
+#SBATCH --output={folder}/logs/slurm-{name}-%a.log
+#SBATCH --open-mode=append
+#SBATCH --requeue
+#SBATCH --kill-on-invalid-dep=yes
+#SBATCH --cpus-per-task={cores}
+#SBATCH --mem={memory}M
+#SBATCH --time={minutes}
+{gres}exec {plan} step . "$(sed -n "${{SLURM_ARRAY_TASK_ID}}p" {tasks})" --retries {retries}
+"""
+
+SUMMARY = """#!/bin/sh
+#SBATCH --job-name={name}
+#SBATCH --chdir={folder}
+#SBATCH --output={folder}/logs/slurm-{name}.log
+#SBATCH --requeue
+#SBATCH --time=10
+{plan} status . >summary.txt
+{plan} report . -o report.html --junit junit.xml
+"""
+
+SUBMIT = """#!/bin/sh
+# Hands the jobs of {name} in; options given here go to every sbatch, say --partition=gpu.
+set -eu
+cd {folder}
+mkdir -p logs
+jobs=
+note() {{ printf '%s\\t%s\\n' "$1" "$2" >>slurm-jobs.tsv.new; jobs="$jobs${{jobs:+:}}$1"; }}
+: >slurm-jobs.tsv.new
+# All or nothing: what was handed in before an error is taken back.
+trap '[ -z "$jobs" ] || scancel $(echo "$jobs" | tr : " "); rm -f slurm-jobs.tsv.new' EXIT
+{submissions}
+sbatch "$@" --parsable --dependency=afterany:"$jobs" {summary} >/dev/null
+trap - EXIT
+mv slurm-jobs.tsv.new slurm-jobs.tsv
+echo "$jobs" | tr : '\\n'
+"""
+
+
+def export_slurm(graph, plan, folder, jobs_folder):
+    """Writes the scripts and lists of tasks; each array task finds its step in line SLURM_ARRAY_TASK_ID of its list."""
+    chunks = {group: chunked(steps) for group, steps in graph.groups().items()}
+    dependencies = graph.group_dependencies()
+    submissions = []
+    for group, parts in chunks.items():
+        awaited = [f"${{{variable(group, i)}}}" for group in dependencies[group] for i in range(len(chunks[group]))]
+        for i, steps in enumerate(parts):
+            script, tasks = write_job(graph, plan, folder, jobs_folder, group, i, steps)
+            after = f"--dependency=afterok:{':'.join(awaited)} " if awaited else ""
+            name = variable(group, i)
+            submissions.append(f'{name}=$(sbatch "$@" --parsable {after}{script})\n{name}=${{{name}%;*}}; note "${name}" {tasks}')
+    summary = jobs_folder / "summary.sbatch"
+    shell = {"name": f"{graph.name}.summary", "folder": shlex.quote(str(folder)), "plan": shlex.join(plan)}
+    write_whole(summary, SUMMARY.format(**shell | {"folder": folder}), executable=True)
+    text = SUBMIT.format(name=graph.name, folder=shell["folder"], submissions="\n".join(submissions),
+                         summary=shlex.quote(str(summary)))  # fmt: skip
+    write_whole(jobs_folder / "submit.sh", text, executable=True)
+
+
+def chunked(steps):
+    return [steps[i : i + ARRAY_LIMIT] for i in range(0, len(steps), ARRAY_LIMIT)]
+
+
+def variable(group, i):
+    return f"job_{group.replace('-', '_')}_{i + 1}"
+
+
+def write_job(graph, plan, folder, jobs_folder, group, i, steps):
+    """Names of the job's script and of its list of tasks, quoted."""
+    stem = jobs_folder / (group + (f".{i + 1}" if i else ""))
+    tasks = stem.with_name(stem.name + ".tasks")
+    write_whole(tasks, "".join(f"{step.token}\n" for step in steps))
+    needs = steps[0].resources
+    gres = f"#SBATCH --gres=gpu:{needs['gpus']}\n" if needs["gpus"] else ""
+    text = JOB.format(name=f"{graph.name}.{stem.name}", count=len(steps), folder=folder, plan=shlex.join(plan), gres=gres,
+                      tasks=shlex.quote(str(tasks)), retries=RETRIES, **{key: needs[key] for key in ("cores", "memory", "minutes")})  # fmt: skip
+    script = stem.with_name(stem.name + ".sbatch")
+    write_whole(script, text, executable=True)
+    return shlex.quote(str(script)), shlex.quote(str(tasks))

@@ -1,0 +1,155 @@
+"""Runs one step, for whatever engine asks for it: device, log, record, retries."""
+import contextlib
+import fcntl
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import time
+
+from planner.devices import device
+from planner.errors import USAGE, PlanError
+from planner.files import open_lock, read_text, write_whole
+from planner.graph import load_graph
+
+UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
+REASON = re.compile(r"^(rt-\w+: error: .*|limit: .*: broken|verdict: .*)$", re.MULTILINE)
+PAUSE_SECONDS = 0.5
+
+
+def run_step(folder, token, retries, touch):
+    """The exit code. Outputs are there whole or, if it is not 0, as they were before."""
+    step = find_step(load_graph(folder), folder, token)
+    with step_lock(folder, step) as lock:
+        attempts = interrupted_attempts(folder, step)
+        for left in range(retries, -1, -1):
+            code = attempt(folder, step, attempts, lock)
+            if left == 0 or not may_pass_next_time(code):
+                break
+            time.sleep(PAUSE_SECONDS)
+    if code == 0 and touch:
+        for output in step.outputs:
+            os.utime(folder / output)
+    return code
+
+
+def may_pass_next_time(code):
+    """File access, a GPU that was not there, an internal error, a crash; not wrong input, and not being told to end."""
+    return code in (3, 6, 70) or (code > 128 and code - 128 not in (signal.SIGTERM, signal.SIGINT))
+
+
+def find_step(graph, folder, token):
+    id = token.partition("@")[0]
+    step = next((step for step in graph.steps if step.id == id), None)
+    if step is None or token not in (step.id, step.token):
+        raise PlanError(USAGE, f"{folder / 'plan.json'}: has no step {token}: it changed since this was exported; export again")
+    return step
+
+
+def lock_path(folder, step):
+    return folder / "steps" / f"{step.id}.lock"
+
+
+@contextlib.contextmanager
+def step_lock(folder, step):
+    """Waits for another run of the same step, such as one whose node was believed dead."""
+    handle = open_lock(lock_path(folder, step))
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)
+        yield handle
+    finally:
+        os.close(handle)
+
+
+def read_record(folder, step):
+    """What the last run left, or None. A record of other options does not count."""
+    path = folder / step.record
+    if not path.exists():
+        return None
+    try:
+        record = json.loads(read_text(path))
+        return record if record["token"] == step.token else None
+    except (ValueError, KeyError, TypeError):
+        return None
+
+
+def interrupted_attempts(folder, step):
+    """Attempts of a run that was cut off, which this one goes on from; else none."""
+    record = read_record(folder, step)
+    if record is None or record["state"] != "running":
+        return []
+    last = record["attempts"][-1]
+    return record["attempts"][:-1] + [last | {"end": None, "why": "cut off"}]
+
+
+def attempt(folder, step, attempts, lock):
+    with device(os.environ) if step.resources["gpus"] else contextlib.nullcontext(("", "", None)) as (slot, name, handle):
+        current = {"start": time.time(), "host": socket.gethostname(), "slot": slot, "exitCode": None, "why": ""}
+        attempts.append(current)
+        save_record(folder, step, "running", attempts)
+        prepare(folder, step)
+        environment = os.environ | ({"RT_DEVICE": name} if name else {})
+        code, said = execute(folder, step, environment, [fd for fd in (lock, handle) if fd is not None], len(attempts))
+    code, state, why = verdict(folder, step, code, said)
+    current |= {"end": time.time(), "exitCode": code, "why": why}
+    save_record(folder, step, state, attempts)
+    return code
+
+
+def prepare(folder, step):
+    for output in step.outputs:
+        (folder / output).parent.mkdir(parents=True, exist_ok=True)
+    if step.stamp:
+        (folder / step.stamp).unlink(missing_ok=True)
+
+
+def execute(folder, step, environment, handles, number):
+    """Exit code and output of the tool, which holds the locks too: they are free when it has ended, whoever dies first."""
+    log = folder / step.log
+    log.parent.mkdir(parents=True, exist_ok=True)
+    with open(log, "a" if number > 1 else "w", encoding="utf-8", errors="replace") as file:
+        file.write(f"# attempt {number}: {' '.join(step.argv)}\n")
+        file.flush()
+        begin = file.tell()
+        try:
+            process = subprocess.Popen(step.argv, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=file,
+                                       stderr=file, pass_fds=handles)  # fmt: skip
+        except OSError as error:
+            file.write(f"{step.argv[0]}: error: cannot be run: {error.strerror}\n")
+            return 127, ""
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, lambda *_: process.terminate())
+        code = process.wait()
+    with open(log, encoding="utf-8", errors="replace") as file:
+        file.seek(begin)
+        return (code if code >= 0 else 128 - code), file.read()
+
+
+def verdict(folder, step, code, said):
+    """(exit code, state, why)."""
+    if code == 0 and step.stamp:
+        write_whole(folder / step.stamp, step.token + "\n")
+    missing = [output for output in step.outputs if not (folder / output).exists()]
+    if code == 0 and missing:
+        return 70, "failed", f"did not write {missing[0]}"
+    up_to_date = UP_TO_DATE.search(said)
+    if code == 0:
+        return 0, "skipped" if up_to_date else "done", up_to_date[1] if up_to_date else ""
+    reasons = REASON.findall(said)
+    if code > 128:
+        return code, "failed", f"ended by {signal_name(code - 128)}"
+    return code, "failed", reasons[0] if reasons else f"exit code {code}"
+
+
+def signal_name(number):
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
+
+
+def save_record(folder, step, state, attempts):
+    content = {"id": step.id, "token": step.token, "state": state, "attempts": attempts}
+    write_whole(folder / step.record, json.dumps(content, indent=1) + "\n")

@@ -1,0 +1,91 @@
+"""How far a run is: what is done, failed, running and waiting, and why."""
+import collections
+import dataclasses
+import fcntl
+import os
+
+from planner.files import open_lock, try_lock
+from planner.run_step import lock_path, read_record
+from planner.slurm_queue import queued_steps
+
+FINISHED, FAILED, UNFINISHED = 0, 1, 10
+STATES = ("done", "skipped", "failed", "running", "waiting", "blocked")
+
+
+@dataclasses.dataclass
+class StepStatus:
+    step: object
+    state: str  # one of STATES
+    why: str
+    attempts: list
+
+
+def run_status(graph, folder):
+    """The status of every step, in the graph's order."""
+    queue = queued_steps(folder)
+    found = {}
+    for step in graph.steps:
+        found[step.id] = step_status(step, folder, found, queue)
+    return list(found.values())
+
+
+def step_status(step, folder, found, queue):
+    record = read_record(folder, step)
+    attempts = record["attempts"] if record else []
+    if is_running(folder, step):
+        return StepStatus(step, "running", place_of(attempts), attempts)
+    if queue and step.id in queue:
+        return StepStatus(step, "waiting", f"Slurm job {queue[step.id]}", attempts)
+    if record and record["state"] != "running":
+        return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
+    stopped = [id for id in step.depends_on if found[id].state in ("failed", "blocked")]
+    if stopped:
+        return StepStatus(step, "blocked", f"{stopped[0]} {found[stopped[0]].state}", attempts)
+    if record:
+        return StepStatus(step, "failed", "cut off: its process ended without a word", attempts)
+    if queue is not None:
+        return StepStatus(step, "blocked", "is not in Slurm's queue: cancelled, or lost", attempts)
+    awaited = [id for id in step.depends_on if found[id].state not in ("done", "skipped")]
+    return StepStatus(step, "waiting", f"for {awaited[0]}" if awaited else "to be started", attempts)
+
+
+def is_running(folder, step):
+    path = lock_path(folder, step)
+    if not path.exists():
+        return False
+    handle = open_lock(path)
+    try:
+        return not try_lock(handle, fcntl.LOCK_SH)
+    finally:
+        os.close(handle)
+
+
+def place_of(attempts):
+    return f"on {attempts[-1]['host']} {attempts[-1]['slot']}".rstrip() if attempts else ""
+
+
+def exit_code(statuses):
+    states = {status.state for status in statuses}
+    return FAILED if states & {"failed", "blocked"} else UNFINISHED if states & {"running", "waiting"} else FINISHED
+
+
+def as_text(graph, folder, statuses):
+    """A line for each step that is not done, then the counts."""
+    lines = [
+        f"{s.state:8} {s.step.id:32} {s.why}" + (f"  [{folder / s.step.log}]" if s.state in ("failed", "running") else "")
+        for s in statuses
+        if s.state not in ("done", "skipped")
+    ]
+    counts = collections.Counter(status.state for status in statuses)
+    total = ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])
+    return "\n".join([line.rstrip() for line in lines] + [f"{graph.name}: {len(statuses)} steps: {total}"]) + "\n"
+
+
+def as_json(graph, folder, statuses):
+    return {
+        "name": graph.name,
+        "steps": [
+            {"id": s.step.id, "state": s.state, "why": s.why, "log": str(folder / s.step.log), "attempts": s.attempts}
+            for s in statuses
+        ],
+    }

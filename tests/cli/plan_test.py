@@ -1,0 +1,352 @@
+"""pipelines/plan through its executable: plan_test.py ROOT BIN_DIR"""
+import contextlib
+import copy
+import json
+import os
+import pathlib
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+import xml.etree.ElementTree as ET
+import zlib
+
+import jsonschema
+import numpy
+
+ROOT, TOOLS = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
+PLAN = ROOT / "pipelines" / "plan"
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(ROOT / "pipelines"))
+from planner import thumbnail  # noqa: E402
+
+MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
+PATH = [{"frame": 1, "eye": [3, 2, 0], "lookAt": [0, 0.4, 0]}, {"frame": 2, "eye": [0, 2, 3], "lookAt": [0, 0.4, 0]}]
+LOOK = {"atlas": "tent", "size": [64, 64], "options": ["--light", "point:2,4,1"]}
+GOOD = {
+    "$schema": "plan.schema.json",
+    "scenes": {"tent": {"inputs": ["tent.obj"], "options": ["--weld", "0"], "resources": {"memory": 100}}},
+    "atlases": {"tent": {"scene": "tent", "structure": "cloud", "quality": "fast", "options": [], "resources": {"cores": 1}}},
+    "renders": {
+        "around": LOOK | {"cameraPath": "path.json", "frames": [1, 2], "shards": 2, "shardBy": "parts", "passes": ["Z", "id"],
+                          "pngOptions": ["--tonemap", "aces"], "resources": {"gpus": 1, "minutes": 2}},
+        "whole": LOOK | {"cameraPath": "path.json", "frames": [1, 2], "framesPerStep": 2, "passes": ["Z", "id"]},
+        "still": LOOK,
+    },
+    "comparisons": {"same": {"render": "around", "against": "whole", "limits": {"max-rmse": 0, "max-abs": "Z=0"},
+                             "options": ["--worst", "1"], "resources": {}}},
+    "resources": {"import": {"cores": 1}, "grid": {}, "trace": {"cores": 1}, "merge": {}, "compare": {}},
+}  # fmt: skip
+REMOVE = object()
+# Where GOOD is changed, to what, and the JSON path that the error names. The first are found by the schema.
+BY_SCHEMA = [
+    (("scenes",), REMOVE, "$"),
+    (("scene",), {}, "$.scene"),
+    (("scenes", "tent", "inputs"), [], "$.scenes.tent.inputs"),
+    (("scenes", "tent", "inputs", 0), 3, "$.scenes.tent.inputs[0]"),
+    (("scenes", "2nd"), {"inputs": ["tent.obj"]}, "$.scenes.2nd"),
+    (("atlases", "tent", "structure"), "bvh", "$.atlases.tent.structure"),
+    (("atlases", "tent", "options"), [{"files": "x"}], "$.atlases.tent.options[0]"),
+    (("renders",), {}, "$.renders"),
+    (("renders", "around", "frames"), [1], "$.renders.around.frames"),
+    (("renders", "around", "frames", 1), "2", "$.renders.around.frames[1]"),
+    (("renders", "around", "shards"), 0, "$.renders.around.shards"),
+    (("renders", "around", "resources", "gpus"), 2, "$.renders.around.resources.gpus"),
+    (("renders", "around", "passes", 0), "", "$.renders.around.passes[0]"),
+    (("comparisons", "same", "limits"), {"rmse": 1}, "$.comparisons.same.limits.rmse"),
+    (("comparisons", "same", "limits", "max-rmse"), None, "$.comparisons.same.limits.max-rmse"),
+    (("resources", "import", "cores"), 1.5, "$.resources.import.cores"),
+]
+BY_PLAN = [
+    (("atlases", "tent", "scene"), "tents", "$.atlases.tent.scene"),
+    (("scenes", "tent", "inputs", 0), "none.obj", "$.scenes.tent.inputs[0]"),
+    (("renders", "around", "frames"), [2, 1], "$.renders.around.frames"),
+    (("renders", "around", "framesPerStep"), 2, "$.renders.around.framesPerStep"),
+    (("renders", "whole", "shardBy"), "samples", "$.renders.whole.shardBy"),
+    (("renders", "whole", "frames"), REMOVE, "$.renders.whole"),
+    (("comparisons", "same", "against"), "still", "$.comparisons.same.against"),
+    (("comparisons", "same", "golden"), "g.%04d.exr", "$.comparisons.same"),
+    (("comparisons", "same", "render"), "none", "$.comparisons.same.render"),
+]
+
+
+def changed(place, value):
+    document = copy.deepcopy(GOOD)
+    *way, last = place
+    parent = document
+    for step in way:
+        parent = parent[step]
+    if value is REMOVE:
+        del parent[last]
+    else:
+        parent[last] = value
+    return document
+
+
+class PlanTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.write("tent.obj", MODEL)
+        self.write("path.json", json.dumps(PATH))
+        self.environment = os.environ | {"RT_TOOLS_DIR": str(TOOLS), "RT_DEVICES": "software,software",
+                                         "RT_DEVICE_LOCKS": str(self.folder / "devices"), "RT_NO_SHADER_CACHE": "1"}  # fmt: skip
+
+    def write(self, name, text, mode=0o644):
+        (self.folder / name).write_text(text)
+        (self.folder / name).chmod(mode)
+
+    def describe(self, document=None):
+        self.write("tent.plan.json", json.dumps(document or GOOD))
+
+    def call(self, *words, expect=0):
+        result = subprocess.run([sys.executable, PLAN, *words], cwd=self.folder, env=self.environment, capture_output=True, text=True)
+        self.assertEqual(result.returncode, expect, f"{words}\n{result.stdout}{result.stderr}")
+        return result.stdout if expect == 0 else result.stdout + result.stderr
+
+    def states(self, expect=0):
+        steps = json.loads(self.call("status", "tent", "--json", expect=expect))["steps"]
+        return {step["id"]: step for step in steps}
+
+    def stand_in(self, script):
+        """All tools do this instead; $out is what follows the first -o."""
+        head = "#!/bin/sh\nout=; previous=; for word; do [ \"$previous\" != -o ] || out=${out:-$word}; previous=$word; done\n"
+        (self.folder / "tools").mkdir()
+        for tool in ("rt-import", "rt-grid", "rt-trace", "rt-compare"):
+            self.write(f"tools/{tool}", head + script, 0o755)
+        self.environment["RT_TOOLS_DIR"] = str(self.folder / "tools")
+
+
+class DescriptionTest(PlanTest):
+    def test_errors_name_the_json_path(self):
+        for place, value, path in BY_SCHEMA + BY_PLAN:
+            with self.subTest(path=path, value=value):
+                self.describe(changed(place, value))
+                said = self.call("tent.plan.json", expect=4)
+                self.assertRegex(said, rf"^plan: error: tent\.plan\.json: {re.escape(path)}: .+\n$")
+                self.assertFalse((self.folder / "tent").exists())
+
+    def test_schema_is_checked_as_jsonschema_does(self):
+        schema = json.loads((ROOT / "pipelines/plan.schema.json").read_text())
+        jsonschema.Draft202012Validator.check_schema(schema)
+        validator = jsonschema.Draft202012Validator(schema)
+        self.assertTrue(validator.is_valid(GOOD), list(validator.iter_errors(GOOD)))
+        for place, value, _ in BY_SCHEMA:
+            self.assertFalse(validator.is_valid(changed(place, value)), place)
+        for place, value, _ in BY_PLAN:
+            self.assertTrue(validator.is_valid(changed(place, value)), place)
+
+    def test_files_that_are_no_json(self):
+        self.assertIn("cannot be read", self.call("tent.plan.json", expect=3))
+        for text in ('{"scenes": {', '{"scenes": {}, "scenes": {}}'):
+            self.write("tent.plan.json", text)
+            self.assertIn("tent.plan.json: ", self.call("tent.plan.json", expect=4))
+
+    def test_the_example_is_good(self):
+        example = ROOT / "pipelines/turntable/turntable.plan.json"
+        self.assertIn("merge-around-0012", self.call(example, "--dry-run"))
+
+
+class StepsTest(PlanTest):
+    def test_dry_run_prints_the_graph_and_writes_nothing(self):
+        self.describe()
+        graph = json.loads(self.call("tent.plan.json", "--dry-run", "--json"))
+        steps = {step["id"]: step for step in graph["steps"]}
+        shard = steps["trace-around-0002-1of2"]
+        self.assertEqual(shard["dependsOn"], ["grid-tent"])
+        self.assertEqual(shard["outputs"], ["around/around.0002.part1of2.exr"])
+        self.assertIn("--frames 2-2 -o around/around.%04d.part1of2.exr --shard 1/2", " ".join(shard["argv"]))
+        self.assertEqual(shard["resources"], {"gpus": 1, "cores": 1, "memory": 4096, "minutes": 2})
+        self.assertEqual(steps["merge-around-0001"]["dependsOn"], ["trace-around-0001-1of2", "trace-around-0001-2of2"])
+        self.assertEqual(steps["compare-same-0002"]["dependsOn"], ["merge-around-0002", "trace-whole-0001"])
+        self.assertIn("trace-whole-0001: 1 gpu, 1 cores", self.call("tent.plan.json"))
+        self.assertFalse((self.folder / "tent").exists())
+
+    def test_exports_are_the_same_bytes_again(self):
+        self.describe()
+        words = ["tent.plan.json", "--ninja", "n", "--make", "m", "--openjd", "o", "--slurm", "s"]
+        self.call(*words)
+        files = ["n", "m", "o", "tent/plan.json", *(f"s/{path.name}" for path in (self.folder / "s").iterdir())]
+        before = {name: (self.folder / name).read_bytes() for name in files}
+        times = {name: (self.folder / name).stat().st_mtime_ns for name in files}
+        self.call(*words)
+        self.assertEqual(before, {name: (self.folder / name).read_bytes() for name in files})
+        self.assertEqual(times, {name: (self.folder / name).stat().st_mtime_ns for name in files})
+        self.assertEqual(subprocess.run(["sh", "-n", self.folder / "s/submit.sh"]).returncode, 0)
+
+    def test_openjd_template_has_the_specified_shape(self):
+        self.describe()
+        self.call("tent.plan.json", "--openjd", "o.json")
+        template = json.loads((self.folder / "o.json").read_text())
+        self.assertEqual(template["specificationVersion"], "jobtemplate-2023-09")
+        self.assertEqual(set(template), {"specificationVersion", "name", "parameterDefinitions", "steps"})
+        names = [step["name"] for step in template["steps"]]
+        self.assertEqual(len(names), len(set(names)))
+        for i, step in enumerate(template["steps"]):
+            self.assertLessEqual(len(step["name"]), 64)
+            self.assertLessEqual(set(step), {"name", "dependencies", "hostRequirements", "parameterSpace", "script"})
+            self.assertTrue({d["dependsOn"] for d in step.get("dependencies", [])} <= set(names[:i]))
+            for amount in step["hostRequirements"]["amounts"]:
+                self.assertRegex(amount["name"], r"^amount\.worker\.(vcpu|memory|gpu)$")
+                self.assertGreater(amount["min"], 0)
+            (parameter,) = step["parameterSpace"]["taskParameterDefinitions"]
+            self.assertEqual((parameter["name"], parameter["type"]), ("Step", "STRING"))
+            self.assertTrue(0 < len(parameter["range"]) <= 1024)
+            action = step["script"]["actions"]["onRun"]
+            self.assertEqual(set(action), {"command", "args", "timeout", "cancelation"})
+            used = re.findall(r"{{(.*?)}}", " ".join(action["args"]))
+            self.assertEqual(used, ["Param.Folder", "Task.Param.Step"])
+
+    def test_a_step_of_a_plan_that_changed_is_refused(self):
+        self.describe()
+        self.call("tent.plan.json", "--ninja", "n")
+        self.assertIn("export again", self.call("step", "tent", "grid-tent@00000000", expect=2))
+        self.assertIn("export again", self.call("step", "tent", "none", expect=2))
+
+
+class RunTest(PlanTest):
+    def test_steps_overlap_on_two_devices_and_never_on_one(self):
+        self.describe(changed(("renders", "around", "frames"), [1, 2]))
+        self.stand_in('echo "$RT_DEVICE" >"$(printf "${out:-x}" 1).device"; sleep 0.2; mkdir -p around whole still same\n'
+                      'for f in tent.rtmesh tent.rtatlas still/still.exr still/still.png; do : >$f; done\n'
+                      'for n in 0001 0002; do for k in around whole; do for e in exr png part1of2.exr part2of2.exr; do '
+                      ': >$k/$k.$n.$e; done; done; done\n')  # fmt: skip
+        self.call("run", "tent.plan.json", "-j", "6")
+        spans = {}
+        for step in self.states().values():
+            for attempt in step["attempts"]:
+                if step["id"].startswith("trace"):
+                    spans.setdefault(attempt["slot"], []).append((attempt["start"], attempt["end"]))
+        self.assertEqual(set(spans), {"software#1", "software#2"})
+        for slot in spans.values():
+            slot.sort()
+            self.assertTrue(all(a[1] <= b[0] for a, b in zip(slot, slot[1:])), slot)
+        one, two = spans["software#1"], spans["software#2"]
+        self.assertTrue(any(a[0] < b[1] and b[0] < a[1] for a in one for b in two), spans)
+        devices = {path.read_text() for path in (self.folder / "tent").rglob("*part*.device")}
+        self.assertEqual(devices, {"software\n"})
+
+    def test_failures_are_retried_so_often_and_no_more(self):
+        self.describe()
+        self.call("tent.plan.json", "--ninja", "n")
+        for code, attempts in ((6, 3), (4, 1)):
+            with self.subTest(code=code):
+                with contextlib.suppress(FileExistsError):
+                    self.stand_in("")
+                self.write("tools/rt-import", f"#!/bin/sh\necho 'rt-import: error: no luck' >&2\nexit {code}\n", 0o755)
+                self.call("tent.plan.json", "--ninja", "n")
+                self.call("step", "tent", "import-tent", "--retries", "2", expect=code)
+                states = self.states(expect=1)
+                self.assertEqual(len(states["import-tent"]["attempts"]), attempts)
+                self.assertEqual((states["import-tent"]["state"], states["import-tent"]["why"]), ("failed", "rt-import: error: no luck"))
+                self.assertEqual((states["grid-tent"]["state"], states["grid-tent"]["why"]), ("blocked", "import-tent failed"))
+                self.assertEqual((self.folder / "tent/logs/import-tent.log").read_text().count("no luck"), attempts)
+
+    def test_a_tool_that_writes_nothing_has_failed_and_one_that_is_up_to_date_is_skipped(self):
+        self.describe()
+        self.stand_in("")
+        self.call("tent.plan.json", "--ninja", "n")
+        self.call("step", "tent", "import-tent", expect=70)
+        self.assertIn("did not write tent.rtmesh", self.states(expect=1)["import-tent"]["why"])
+        self.write("tools/rt-import", "#!/bin/sh\n: >tent.rtmesh\necho 'rt-import: up to date: tent.rtmesh' >&2\n", 0o755)
+        self.call("step", "tent", "import-tent")
+        state = self.states(expect=10)["import-tent"]
+        self.assertEqual((state["state"], state["why"]), ("skipped", "rt-import: up to date: tent.rtmesh"))
+
+
+    def test_a_golden_that_is_missing_fails_until_it_is_there(self):
+        comparison = {"gate": {"render": "still", "golden": "golden/still.exr"}}
+        self.describe({"scenes": GOOD["scenes"], "atlases": GOOD["atlases"], "renders": {"still": LOOK}, "comparisons": comparison})
+        self.assertIn("golden/still.exr", self.call("run", "tent.plan.json", expect=1))
+        (self.folder / "golden").mkdir()
+        shutil.copy(self.folder / "tent/still/still.exr", self.folder / "golden/still.exr")
+        self.assertIn("4 steps: 4 done", self.call("run", "tent.plan.json"))
+        self.assertIn("no work to do", self.call("run", "tent.plan.json"))
+        (self.folder / "golden/still.exr").write_bytes(b"no picture")
+        self.assertIn("compare-gate", self.call("run", "tent.plan.json", expect=1))
+        self.assertFalse((self.folder / "tent/gate/gate.passed").exists())
+
+    def test_a_step_that_was_cut_off_goes_on_and_is_not_run_twice_at_a_time(self):
+        self.describe()
+        self.stand_in("")
+        self.write("tools/rt-import", "#!/bin/sh\necho x >>starts; while [ ! -e go ]; do sleep 0.02; done; : >tent.rtmesh\n", 0o755)
+        self.call("tent.plan.json", "--ninja", "n")
+        words = [sys.executable, PLAN, "step", "tent", "import-tent"]
+        first = subprocess.Popen(words, cwd=self.folder, env=self.environment)
+        starts = self.folder / "tent/starts"
+        self.wait_for(starts.exists)
+        first.kill()  # the tool goes on, and holds the lock
+        first.wait()
+        second = subprocess.Popen(words, cwd=self.folder, env=self.environment)
+        time.sleep(0.3)
+        self.assertEqual(starts.read_text(), "x\n")
+        self.assertEqual(self.states(expect=10)["import-tent"]["state"], "running")
+        (self.folder / "tent/go").touch()
+        self.assertEqual(second.wait(timeout=20), 0)
+        state = self.states(expect=10)["import-tent"]
+        self.assertEqual([attempt["why"] for attempt in state["attempts"]], ["cut off", ""])
+
+    def wait_for(self, condition):
+        end = time.monotonic() + 20
+        while not condition():
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.02)
+
+
+class ThumbnailTest(unittest.TestCase):
+    def test_all_filters_are_undone_and_pixels_averaged(self):
+        height, width, channels = 10, 12, 3
+        pixels = numpy.random.default_rng(1).integers(0, 256, (height, width, channels))
+        rows, above = b"", numpy.zeros((width, channels), int)
+        for y, row in enumerate(pixels):
+            left, corner = (numpy.vstack([numpy.zeros((1, channels), int), line[:-1]]) for line in (row, above))
+            wanted = left + above - corner
+            gaps = numpy.stack([abs(wanted - candidate) for candidate in (left, above, corner)])
+            nearest = numpy.choose(gaps.argmin(axis=0), [left, above, corner])
+            guess = [0 * row, left, above, (left + above) // 2, nearest][y % 5]
+            rows += bytes([y % 5]) + ((row - guess) % 256).astype(numpy.uint8).tobytes()
+            above = row
+        header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
+        chunks = ((b"IHDR", header), (b"IDAT", zlib.compress(rows)[:20]), (b"IDAT", zlib.compress(rows)[20:]), (b"IEND", b""))
+        small = thumbnail.thumbnail(thumbnail.SIGNATURE + b"".join(thumbnail.chunk(*chunk) for chunk in chunks), 6)
+        parts = dict(thumbnail.chunks_of(small))
+        self.assertEqual(struct.unpack(">II", parts[b"IHDR"][:8]), (6, 5))
+        values = numpy.frombuffer(zlib.decompress(parts[b"IDAT"]), numpy.uint8).reshape(5, 19)[:, 1:].reshape(5, 6, channels)
+        expected = pixels.reshape(5, 2, 6, 2, channels).sum(axis=(1, 3)) // 4
+        self.assertTrue((values == expected).all())
+        self.assertIsNone(thumbnail.thumbnail(b"no picture", 6))
+
+
+class WholeTest(PlanTest):
+    def test_ninja_make_and_reports(self):
+        self.describe()
+        self.assertIn("12 steps: 12 done", self.call("run", "tent.plan.json"))
+        self.assertIn("no work to do", self.call("run", "tent.plan.json"))
+        self.call("tent.plan.json", "-o", "made", "--make", "Makefile")
+        make = ["make", "-C", self.folder / "made", "-f", self.folder / "Makefile"]
+        self.assertEqual(subprocess.run([*make, "-j2"], env=self.environment, capture_output=True).returncode, 0)
+        self.assertEqual(subprocess.run([*make, "-q"], env=self.environment, capture_output=True).returncode, 0)
+        for name in ("around/around.0002.exr", "whole/whole.0001.png", "still/still.exr"):
+            self.assertEqual((self.folder / "made" / name).read_bytes(), (self.folder / "tent" / name).read_bytes(), name)
+        self.check_reports()
+
+    def check_reports(self):
+        self.call("report", "tent", "-o", "report.html", "--junit", "junit.xml")
+        page = (self.folder / "report.html").read_text()
+        self.assertEqual(page.count("data:image/png;base64,"), 5)
+        self.assertEqual(len(re.findall(r"<rect ", page)), len(self.states()))
+        self.assertNotIn("http", page)
+        self.assertIn('href="tent/same/same.0002.html"', page)
+        self.assertTrue((self.folder / "tent/same/same.0002.html").exists())
+        self.assertIn("nothing that it depends on has changed", page)
+        suite = ET.parse(self.folder / "junit.xml").getroot()
+        self.assertEqual((suite.get("tests"), suite.get("failures")), (str(len(self.states())), "0"))
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=1)
