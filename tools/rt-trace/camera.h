@@ -21,7 +21,8 @@ struct CameraRequest {
     std::optional<double> lensRadius = {};
     std::optional<double> focusDistance = {};
     std::string name = {}; ///< of a camera of the scene; empty: none
-    std::optional<glm::dvec3> towardsEye = {}; ///< direction from lookAt in which an eye stands that is not given
+    std::optional<glm::dvec3> towardsEye =
+        {}; ///< direction from lookAt in which an eye stands that is not given
 };
 
 inline constexpr double kDefaultFovDegrees = 40.0;
