@@ -40,7 +40,7 @@ PairResult comparePair(const FilePair& pair, const Options& options, const Pictu
     result.nameB = pair.b;
     std::error_code ignored; // standard input is no file
     if (std::filesystem::equivalent(pair.a, pair.b, ignored))
-        result.comparison.notes.push_back("both names are the same file, which cannot fail");
+        result.comparison.notes.push_back("both names are the same file, which is compared with itself");
     return result;
 }
 
