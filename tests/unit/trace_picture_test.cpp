@@ -115,8 +115,8 @@ protected:
 };
 
 TEST_F(CameraPath, IsStraightBetweenItsFramesAndStillOutside) {
-    const auto keys = read(R"([{"frame": 20, "eye": [4, 0, 0], "lookAt": [0, 2, 0], "fov": 60},
-                               {"frame": 10, "eye": [0, 0, 8], "lookAt": [0, 0, 0], "up": [0, 0, 1]}])");
+    const auto keys = read(R"([{"frame": 10, "eye": [0, 0, 8], "lookAt": [0, 0, 0], "up": [0, 0, 1]},
+                               {"frame": 20, "eye": [4, 0, 0], "lookAt": [0, 2, 0], "fov": 60}])");
     ASSERT_EQ(keys.size(), 2u);
     EXPECT_EQ(keys[0].frame, 10.0);
     EXPECT_EQ(keys[1].up, glm::dvec3(0, 1, 0));
@@ -144,7 +144,7 @@ TEST_F(CameraPath, SaysWhatIsWrongWithAFile) {
         {R"([{"frame": 1, "eye": [0, 0, 0], "lookAt": [0, 0, 1], "lens": 1}])", "/0: 'lens' is none of"},
         {R"([{"frame": 1, "eye": [0, 0, 0], "lookAt": [0, 0, 1]},
              {"frame": 1, "eye": [0, 0, 0], "lookAt": [0, 0, 1]}])",
-         "twice"}};
+         "/1/frame: 1 does not come after 1"}};
     for (const auto& [text, message] : files) {
         std::string said;
         EXPECT_EQ(kindOf([&, t = text] { read(t); }, &said), ErrorKind::InvalidContent) << text;

@@ -54,7 +54,9 @@ void repeatLoop(const TraceOptions& options, const GpuScene& scene, GpuView& vie
     const LoopControl control{.targetError = options.targetError};
     const auto pass = [&] {
         picture.tiles = untouched;
+        const PassCounts before = view.passes();
         picture.figures = renderTiles(scene.programs, view, film, *scene.context, picture.tiles, control);
+        picture.passes = view.passes() - before;
     };
     warmUp(pass);
     for (unsigned i = 0; i < options.repeat; ++i) {

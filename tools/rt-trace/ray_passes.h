@@ -12,6 +12,10 @@ namespace rt {
 /// How often each of the passes was drawn.
 struct PassCounts {
     std::uint64_t intersect = 0, traverse = 0, shade = 0;
+
+    PassCounts operator-(const PassCounts& before) const {
+        return {intersect - before.intersect, traverse - before.traverse, shade - before.shade};
+    }
 };
 
 /// --kernel multipass: three fragment shaders, drawn in turn over all pixels until none has a ray left, the
