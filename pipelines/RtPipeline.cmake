@@ -6,9 +6,10 @@
 #   rt_add_atlas(NAME SCENE scene [STRUCTURE s] [QUALITY q] [RESOLUTION r] [ARGS ...])         NAME.rtatlas
 #   rt_add_render(NAME ATLAS atlas SIZE WxH [CAMERA c] [FRAMES A-B] [SAMPLES n] [PASSES p...] [ARGS ...])
 #                                           NAME.exr and NAME.png; with FRAMES NAME.0001.exr, ... and no NAME.exr
-#   rt_add_comparison(NAME A render B render [MAX_RMSE x] [ARGS ...])    a CTest test; NAME.json, NAME.html
+#   rt_add_comparison(NAME A render B render [MAX_RMSE x] [ARGS ...])
+#                                           a CTest test with NAME.json and NAME.html; of frames NAME.0001, ...
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
-#                                           a CTest test; the target update_goldens takes the renders for the goldens
+#                                           the same; the target update_goldens takes the renders for the goldens
 #
 # Functions of one pipeline are called in one folder. RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders
 # frames side by side, one on each device at a time.
@@ -38,6 +39,7 @@ endforeach()
 # _rt_parse(ONE_VALUE LISTS REQUIRED ...): ARG_<key> for each key. ARGS is always one of the lists.
 function(_rt_parse single lists required)
     cmake_parse_arguments(PARSE_ARGV 3 ARG "" "${single}" "${lists};ARGS")
+    list(REMOVE_ITEM ARG_KEYWORDS_MISSING_VALUES ${lists} ARGS) # lists may be empty
     if(ARG_UNPARSED_ARGUMENTS OR ARG_KEYWORDS_MISSING_VALUES)
         message(FATAL_ERROR "not understood: ${ARG_UNPARSED_ARGUMENTS} ${ARG_KEYWORDS_MISSING_VALUES}")
     endif()
@@ -104,36 +106,34 @@ function(rt_add_render name)
         list(APPEND options --aov ${passes})
     endif()
     if(ARG_FRAMES STREQUAL "")
-        _rt_picture(pictures ${name} ${ARG_ATLAS} 0 ${options})
-        set(files ${CMAKE_CURRENT_BINARY_DIR}/${name}.exr)
-    elseif(ARG_FRAMES MATCHES "^([0-9]+)-([0-9]+)$" OR ARG_FRAMES MATCHES "^([0-9]+)$")
+        _rt_picture(files ${name} ${ARG_ATLAS} 0 ${options})
+    elseif(ARG_FRAMES MATCHES "^([0-9]+)(-([0-9]+))?$")
         set(first ${CMAKE_MATCH_1})
-        set(last ${CMAKE_MATCH_${CMAKE_MATCH_COUNT}})
+        set(last ${CMAKE_MATCH_${CMAKE_MATCH_COUNT}}) # the same if there is but one
         foreach(frame RANGE ${first} ${last})
             math(EXPR device "(${frame} - ${first}) % ${_rt_device_count}")
             string(REGEX REPLACE ".*(....)$" "\\1" padded 000${frame})
             if(frame GREATER 9999)
                 set(padded ${frame})
             endif()
-            _rt_picture(frame_pictures ${name}.${padded} ${ARG_ATLAS} ${device} ${options} --frames ${frame})
-            list(APPEND pictures ${frame_pictures})
+            _rt_picture(file ${name}.${padded} ${ARG_ATLAS} ${device} ${options} --frames ${frame})
+            list(APPEND files ${file})
         endforeach()
-        set(files ${CMAKE_CURRENT_BINARY_DIR}/${name}.%04d.exr)
     else()
         message(FATAL_ERROR "FRAMES ${ARG_FRAMES}: not a range such as 1-48")
     endif()
-    add_custom_target(${name} ALL DEPENDS ${pictures})
-    set_target_properties(${name} PROPERTIES RT_FILES "${files}" RT_PICTURES "${pictures}")
+    add_custom_target(${name} ALL DEPENDS ${files})
+    set_target_properties(${name} PROPERTIES RT_FILES "${files}")
 endfunction()
 
-# Sets `pictures` to the files of one step of rt-trace.
-function(_rt_picture pictures name atlas device)
+# One step of rt-trace; sets `file` to its EXR.
+function(_rt_picture file name atlas device)
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
     set(atlas_file ${CMAKE_CURRENT_BINARY_DIR}/${atlas}.rtatlas)
     list(GET RT_DEVICES ${device} device_name)
     _rt_step(${name} ${RT_TRACE} rt_device_${device} OUTPUTS ${base}.exr ${base}.png INPUTS ${atlas_file}
              ARGS ${atlas_file} -o ${base}.exr -o ${base}.png --device ${device_name} ${ARGN})
-    set(${pictures} ${base}.exr ${base}.png PARENT_SCOPE)
+    set(${file} ${base}.exr PARENT_SCOPE)
 endfunction()
 
 function(rt_add_comparison name)
@@ -147,31 +147,38 @@ function(rt_add_regression name)
     _rt_parse("RENDER;GOLDENS;MAX_RMSE" "" "RENDER;GOLDENS" ${ARGN})
     cmake_path(ABSOLUTE_PATH ARG_GOLDENS BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
     _rt_files_of(files ${ARG_RENDER})
-    cmake_path(GET files FILENAME file)
-    _rt_compare(${name} ${ARG_RENDER} ${ARG_GOLDENS}/${file})
-    get_target_property(pictures ${ARG_RENDER} RT_PICTURES)
-    list(FILTER pictures INCLUDE REGEX "[.]exr$")
+    list(TRANSFORM files REPLACE "^.*/" "${ARG_GOLDENS}/" OUTPUT_VARIABLE goldens)
+    _rt_compare(${name} ${ARG_RENDER} ${goldens})
     add_custom_target(update_${name}
         COMMAND ${CMAKE_COMMAND} -E make_directory ${ARG_GOLDENS}
-        COMMAND ${CMAKE_COMMAND} -E copy_if_different ${pictures} ${ARG_GOLDENS}
-        DEPENDS ${pictures} COMMENT "Taking ${ARG_RENDER} for ${ARG_GOLDENS}" VERBATIM)
+        COMMAND ${CMAKE_COMMAND} -E copy_if_different ${files} ${ARG_GOLDENS}
+        DEPENDS ${files} COMMENT "Taking ${ARG_RENDER} for ${ARG_GOLDENS}" VERBATIM)
     if(NOT TARGET update_goldens)
         add_custom_target(update_goldens)
     endif()
     add_dependencies(update_goldens update_${name})
 endfunction()
 
-# ARG_MAX_RMSE and ARG_ARGS are the caller's.
-function(_rt_compare name render reference)
+# _rt_compare(NAME RENDER reference...): a test for each picture. ARG_MAX_RMSE and ARG_ARGS are the caller's.
+function(_rt_compare name render)
     _rt_files_of(files ${render})
-    set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
+    list(LENGTH files count)
+    list(LENGTH ARGN wanted)
+    if(NOT count EQUAL wanted)
+        message(FATAL_ERROR "${name}: ${render} has ${count} pictures, ${wanted} are to be compared with")
+    endif()
     if(ARG_MAX_RMSE)
         list(PREPEND ARG_ARGS --max-rmse ${ARG_MAX_RMSE})
     endif()
-    add_test(NAME ${name} COMMAND ${RT_COMPARE} ${files} ${reference} --json ${base}.json --html ${base}.html ${ARG_ARGS})
+    foreach(picture reference IN ZIP_LISTS files ARGN)
+        cmake_path(GET picture STEM LAST_ONLY stem)
+        string(REPLACE "${render}" "${name}" test ${stem}) # NAME, or NAME.0001
+        set(base ${CMAKE_CURRENT_BINARY_DIR}/${test})
+        add_test(NAME ${test} COMMAND ${RT_COMPARE} ${picture} ${reference} --json ${base}.json --html ${base}.html ${ARG_ARGS})
+    endforeach()
 endfunction()
 
-# Sets `files` to what rt-compare calls the pictures of a render.
+# Sets `files` to the EXR files of a render.
 function(_rt_files_of files render)
     if(TARGET ${render})
         get_target_property(of_render ${render} RT_FILES)

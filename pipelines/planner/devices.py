@@ -23,7 +23,9 @@ def device_slots(environment):
         return [(f"{device}#{devices[:i].count(device) + 1}", device) for i, device in enumerate(devices)]
     if "SLURM_JOB_ID" in environment:
         gpus = [gpu for gpu in environment.get("SLURM_JOB_GPUS", "").split(",") if gpu]
-        return [(f"cuda:{gpu}#1", f"cuda:{gpu}") for gpu in gpus]
+        # CUDA_VISIBLE_DEVICES, which Slurm sets, makes CUDA count the job's own GPUs from 0.
+        own = "CUDA_VISIBLE_DEVICES" in environment
+        return [(f"cuda:{gpu}#1", f"cuda:{i if own else gpu}") for i, gpu in enumerate(gpus)]
     return [("auto#1", "")]
 
 

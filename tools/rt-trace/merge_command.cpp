@@ -3,11 +3,11 @@
 #include "common/binary_io.h"
 #include "common/command_line.h"
 #include "common/error.h"
-#include "common/json_file.h"
 #include "common/log.h"
 #include "common/progress.h"
 #include "common/stage_timer.h"
 #include "formats/image_exr.h"
+#include "formats/recipe.h"
 #include "tools/rt-trace/merge_shards.h"
 #include "tools/rt-trace/option_values.h"
 #include "tools/rt-trace/picture_files.h"
@@ -21,13 +21,11 @@
 namespace rt {
 namespace {
 
-const char* const kDescription =
-    "Puts the shards of a picture together, which rt-trace --shard has rendered. All of them have to be "
-    "there, "
-    "in any\n"
-    "order. Shards of rows give the picture as one run would have, to the bit; shards of samples do within "
-    "rounding.\n"
-    "Needs no GPU.";
+const char* const kDescription = "Puts the shards of a picture together, which rt-trace --shard has "
+                                 "rendered. All of them have to be there, in any\n"
+                                 "order. Shards of rows give the picture as one run would have, to the bit; "
+                                 "shards of samples do within rounding.\n"
+                                 "Needs no GPU.";
 
 struct MergeOptions {
     std::vector<std::string> shardPaths;
@@ -51,8 +49,10 @@ void check(const CLI::App& app, const MergeOptions& options) {
         if (!png && app.get_option(option)->count() > 0)
             throw Error(ErrorKind::Usage, fmt::format("{} needs a .png among the outputs", option));
     std::vector<std::string> outputs = options.outputPaths;
-    outputs.push_back(options.common.jsonPath);
+    for (const std::string& path : {options.common.jsonPath, options.common.depfilePath})
+        if (!path.empty()) outputs.push_back(path);
     requireDistinctPaths(options.shardPaths, outputs);
+    checkBuildOptions(options.common, options.shardPaths, outputs);
 }
 
 std::optional<MergeOptions> parse(int argc, const char* const* argv) {
@@ -81,20 +81,52 @@ std::optional<MergeOptions> parse(int argc, const char* const* argv) {
                                options.memory.origin))
         ->type_name("SIZE[K|M|G]");
     addCommonOptions(app, options.common, fmt::format("OpenEXR {}", RT_OPENEXR_VERSION));
+    addBuildOptions(app, options.common);
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
     if (!maxMemory.empty()) options.memory = {parseByteSize(maxMemory, "--max-memory"), "--max-memory"};
     options.toneMap = static_cast<ToneMap>(indexIn(kToneMapNames, toneMap));
     check(app, options);
+    options.common.making = makingOf(app, options.common, {"shards", "--max-memory"});
     return options;
+}
+
+/// What outputs carry.
+struct MergeRecipes {
+    Recipe merge; ///< of these shards and options
+    Recipe exr;   ///< that of the picture rendered in one run, if its bits are the same
+
+    const Recipe& of(const std::string& path) const {
+        return imageFileType(path) == ImageFileType::Exr ? exr : merge;
+    }
+};
+
+MergeRecipes recipesOf(const MergeOptions& options, const std::vector<ShardFile>& files) {
+    std::vector<RecipeInput> inputs;
+    for (const std::string& path : options.shardPaths) inputs.push_back({"shard", path});
+    MergeRecipes recipes{recipeOf(options.common.making, inputs), wholeRecipeOf(files)};
+    if (!recipes.exr.isKnown()) recipes.exr = recipes.merge;
+    return recipes;
+}
+
+bool isUpToDate(const MergeOptions& options, const MergeRecipes& recipes) {
+    std::vector<std::string> outputs = options.outputPaths;
+    if (!options.common.jsonPath.empty()) outputs.push_back(options.common.jsonPath);
+    const bool isIt = options.common.ifChanged && std::ranges::all_of(outputs, [&](const std::string& path) {
+                          return carries(path, recipes.of(path));
+                      });
+    if (isIt) logInfo(fmt::format("up to date: {}", fmt::join(outputs, ", ")));
+    return isIt;
 }
 
 /// The picture as the outputs are to have it, filled row by row.
 class MergedPicture {
 public:
-    MergedPicture(const Image& header, const std::vector<std::string>& paths) {
+    MergedPicture(const Image& header, const std::vector<std::string>& paths, const MergeRecipes& recipes)
+        : recipes_(recipes) {
         if (!std::all_of(paths.begin(), paths.end(), isPng)) exr_.emplace(header);
         if (std::none_of(paths.begin(), paths.end(), isPng)) return;
         screen_.emplace().width = header.width;
+        screen_->texts[kRecipeKey] = recipes.merge.mark();
         screen_->height = header.height;
         for (const ImageChannel& channel : header.channels)
             if (isColor(channel)) screen_->channels.push_back(channel);
@@ -112,12 +144,13 @@ public:
     }
 
     /// Both are encoded before either is written.
-    void write(const MergeOptions& options, const Recipe& recipe) {
+    void write(const MergeOptions& options) {
         std::vector<std::byte> exr, png;
-        if (exr_) exr = sealed(exr_->finish(), recipe);
+        if (exr_) exr = sealed(exr_->finish(), recipes_.exr);
         if (screen_)
-            png = encodeImage("picture.png",
-                              forScreen(std::move(*screen_), options.toneMap, options.exposureStops));
+            png = sealed(encodeImage("picture.png",
+                                     forScreen(std::move(*screen_), options.toneMap, options.exposureStops)),
+                         recipes_.merge);
         for (const std::string& path : options.outputPaths) writeFile(path, isPng(path) ? png : exr);
     }
 
@@ -135,6 +168,7 @@ private:
         return channel.name == "R" || channel.name == "G" || channel.name == "B";
     }
 
+    const MergeRecipes& recipes_;
     std::optional<ExrEncoder> exr_;
     std::optional<Image> screen_; // R, G, B
 };
@@ -164,21 +198,13 @@ nlohmann::json reportOf(const std::vector<ShardFile>& files, const Image& header
     return report;
 }
 
-} // namespace
-
-int mergeCommand(int argc, const char* const* argv) {
-    const std::optional<MergeOptions> options = parse(argc, argv);
-    if (!options) return 0;
-    const std::string& jsonPath = options->common.jsonPath;
-    for (const std::string& path : options->outputPaths) requireWritable(path);
-    if (!jsonPath.empty()) requireWritable(jsonPath);
-    StageTimer stages;
-    stages.begin("open");
-    const std::vector<ShardFile> files = openShards(options->shardPaths);
-    const Image header = mergedHeader(files);
-    requireMemory(*options, header);
+void merge(const MergeOptions& options, const std::vector<ShardFile>& files, const MergeRecipes& recipes,
+           StageTimer& stages) {
+    Image header = mergedHeader(files);
+    if (recipes.exr.isKnown()) header.texts[kRecipeKey] = recipes.exr.mark();
+    requireMemory(options, header);
     stages.begin("merge");
-    MergedPicture picture(header, options->outputPaths);
+    MergedPicture picture(header, options.outputPaths, recipes);
     {
         Progress progress("rows", header.height);
         double done = 0.0;
@@ -188,11 +214,28 @@ int mergeCommand(int argc, const char* const* argv) {
         });
     }
     stages.begin("write");
-    picture.write(*options, wholeRecipeOf(files));
+    picture.write(options);
     stages.end();
     logInfo(fmt::format("{} shards make {}x{} pixels", files.size(), header.width, header.height));
     logStages(stages);
-    if (!jsonPath.empty()) writeJson(jsonPath, reportOf(files, header, stages));
+    if (!options.common.jsonPath.empty())
+        writeReport(options.common.jsonPath, reportOf(files, header, stages), recipes.merge);
+}
+
+} // namespace
+
+int mergeCommand(int argc, const char* const* argv) {
+    const std::optional<MergeOptions> options = parse(argc, argv);
+    if (!options) return 0;
+    for (const std::string& path : options->outputPaths) requireWritable(path);
+    for (const std::string& path : {options->common.jsonPath, options->common.depfilePath})
+        if (!path.empty()) requireWritable(path);
+    StageTimer stages;
+    stages.begin("open");
+    const std::vector<ShardFile> files = openShards(options->shardPaths);
+    const MergeRecipes recipes = recipesOf(*options, files);
+    if (!isUpToDate(*options, recipes)) merge(*options, files, recipes, stages);
+    writeDependencies(options->common, options->outputPaths, options->shardPaths);
     return 0;
 }
 

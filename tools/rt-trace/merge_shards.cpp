@@ -131,7 +131,6 @@ Image mergedHeader(const std::vector<ShardFile>& files) {
     keepCommon(files, &Image::floats, header.floats);
     header.texts.erase(kRecipeKey); // a shard's own
     header.texts.erase(kWholeRecipeKey);
-    if (const Recipe whole = wholeRecipeOf(files); whole.isKnown()) header.texts[kRecipeKey] = whole.mark();
     mergeSamples(files, header);
     mergeTimes(files, header);
     mergeRenderers(files, header);
