@@ -76,6 +76,10 @@ std::size_t sealOf(std::size_t mark) {
     return mark + kMarkBytes - kSealDigits;
 }
 
+bool hasGoodSeal(Bytes bytes, std::size_t mark) {
+    return textOf(bytes).substr(sealOf(mark), kSealDigits) == hexOf(hashWithout(bytes, sealOf(mark), kSealDigits));
+}
+
 void seal(std::span<std::byte> bytes, const Recipe& recipe) {
     if (!recipe.isKnown()) return;
     const std::size_t mark = findMark(textOf(bytes), idOf(recipe));
@@ -168,18 +172,31 @@ bool carries(const std::string& path, const Recipe& recipe) {
     const std::string_view text = textOf(*bytes);
     const std::size_t mark = findMark(text, idOf(recipe));
     if (mark == text.npos) return false;
-    const bool isWhole =
-        text.substr(sealOf(mark), kSealDigits) == hexOf(hashWithout(*bytes, sealOf(mark), kSealDigits));
+    const bool isWhole = hasGoodSeal(*bytes, mark);
     return isWhole && (!isPng(*bytes) || std::ranges::equal(bytes->subspan(mark + kMarkBytes, kPngCrcBytes),
                                                             crcOfChunk(*bytes, mark)));
 }
 
-bool isUpToDate(const CommonOptions& options, std::vector<std::string> outputs, const Recipe& recipe) {
-    std::erase(outputs, options.depfilePath);
-    const bool isIt = options.ifChanged &&
-                      std::ranges::all_of(outputs, [&](const auto& path) { return carries(path, recipe); });
-    if (isIt) logInfo(fmt::format("up to date: {}", fmt::join(outputs, ", ")));
-    return isIt;
+bool isSealBroken(std::span<const std::byte> bytes) {
+    const std::size_t mark = findMark(textOf(bytes), "");
+    return mark != std::string_view::npos && !hasGoodSeal(bytes, mark);
+}
+
+bool isUpToDate(const CommonOptions& options, const std::vector<RecipeOutput>& outputs) {
+    std::vector<std::string> paths;
+    for (const RecipeOutput& output : outputs) {
+        if (output.path == options.depfilePath) continue;
+        if (!options.ifChanged || !carries(output.path, output.recipe)) return false;
+        paths.push_back(output.path);
+    }
+    if (options.ifChanged) logInfo(fmt::format("up to date: {}", fmt::join(paths, ", ")));
+    return options.ifChanged;
+}
+
+bool isUpToDate(const CommonOptions& options, const std::vector<std::string>& paths, const Recipe& recipe) {
+    std::vector<RecipeOutput> outputs;
+    for (const std::string& path : paths) outputs.push_back({path, recipe});
+    return isUpToDate(options, outputs);
 }
 
 } // namespace rt

@@ -65,7 +65,18 @@ void writeReport(const std::string& path, nlohmann::json report, const Recipe& r
 /// Whether the file was made by the recipe and is whole: each of its bytes is covered by a hash.
 bool carries(const std::string& path, const Recipe& recipe);
 
-/// Whether --if-changed is given and all outputs, but for --depfile's, carry the recipe; if so, says so.
-bool isUpToDate(const CommonOptions& options, std::vector<std::string> outputs, const Recipe& recipe);
+/// Whether a picture or report that has a mark has changed since it was sealed. False without a mark.
+bool isSealBroken(std::span<const std::byte> bytes);
+
+/// A file to be made.
+struct RecipeOutput {
+    std::string path;
+    Recipe recipe;
+};
+
+/// Whether --if-changed is given and all outputs, but for --depfile's, carry their recipes; if so, says so.
+bool isUpToDate(const CommonOptions& options, const std::vector<RecipeOutput>& outputs);
+/// The same of outputs with one recipe.
+bool isUpToDate(const CommonOptions& options, const std::vector<std::string>& paths, const Recipe& recipe);
 
 } // namespace rt

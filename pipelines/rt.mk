@@ -2,14 +2,13 @@
 #
 #   hall.rtmesh                                           made of hall.gltf, hall.obj, hall.scene.json, ...
 #   hall.rtmesh: RT_MODELS = a/b.obj c.ply                or of these
-#   hall.rtatlas                                          made of hall.rtmesh
-#   fine.rtatlas: hall.rtmesh                             or of this one
+#   hall.rtatlas: hall.rtmesh                             an atlas of a mesh
 #   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
 #   view.passed: view.exr goldens/view.exr                two pictures compared; stays away as long as they differ
 #   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
 #
-# FILE.json holds the figures of each step. A step does nothing where its inputs, options and tool are those of its output,
-# whatever the time stamps say. With make -j pictures are rendered side by side, one on each of RT_DEVICES (with commas
+# FILE.json holds the figures of each step. Every step is called each time, and does nothing where its inputs, options and tool
+# are those of its output, by content, whatever the time stamps say. With make -j pictures are rendered side by side, one on each of RT_DEVICES (with commas
 # between them) at a time.
 RT_TOOLS_DIR ?=
 RT_DEVICES ?= auto
@@ -26,30 +25,29 @@ rt_common = --json $@.json --depfile $@.d --if-changed
 rt_inputs = $(or $(filter $(1),$^),$(error $@ is missing, and no $(1) is named as what it is made of))
 # 0012 for NAME.0012.exr
 rt_frame = $(shell expr "$(suffix $*)" : '[.]\([0-9][0-9]*\)$$')
+rt_models = $(or $(RT_MODELS),$(filter-out rt-always,$<),$(error $@: no model of its name, and no RT_MODELS))
 
+.PHONY: rt-always
 define rt_import
-$(rt_bin)rt-import $(or $(RT_MODELS),$<,$(error $@: no model of its name, and no RT_MODELS)) -o $@ $(rt_common) $(RT_IMPORT_FLAGS)
-endef
-define rt_grid
-$(rt_bin)rt-grid $(call rt_inputs,%.rtmesh) -o $@ $(rt_common) $(RT_GRID_FLAGS)
+$(rt_bin)rt-import $(rt_models) -o $@ $(rt_common) $(RT_IMPORT_FLAGS)
 endef
 
-$(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: %.$(kind); $$(rt_import)))
-%.rtmesh:
+$(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: %.$(kind) rt-always; $$(rt_import)))
+%.rtmesh: rt-always
 	$(rt_import)
-%.rtatlas: %.rtmesh
-	$(rt_grid)
-%.rtatlas:
-	$(rt_grid)
 
-# A frame's device follows from its number.
-%.exr %.png:
-	@set -- $(subst $(rt_comma), ,$(RT_DEVICES)); shift $$(expr 0$(rt_frame) % $$#); set -x; \
-	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) -o $*.exr -o $*.png --device $$1 \
-	    $(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
+%.rtatlas: rt-always
+	$(rt_bin)rt-grid $(call rt_inputs,%.rtmesh) -o $@ $(rt_common) $(RT_GRID_FLAGS)
 
-%.passed:
-	$(rt_bin)rt-compare $(call rt_inputs,%.exr) --json $*.json --html $*.html $(RT_COMPARE_FLAGS)
+# A frame's device follows from its number. A picture that is made of nothing, a golden say, is left as it is.
+rt_trace = set -- $(subst $(rt_comma), ,$(RT_DEVICES)); shift $$(expr 0$(rt_frame) % $$\#); set -x; \
+	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(filter %.rtatlas,$^) -o $*.exr -o $*.png --device $$1 \
+	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
+%.exr %.png: rt-always
+	@$(if $(filter %.rtatlas,$^)$(if $(wildcard $@),,missing),$(if $(call rt_inputs,%.rtatlas),$(rt_trace)),:)
+
+%.passed: rt-always
+	$(rt_bin)rt-compare $(call rt_inputs,%.exr) --json $*.json --html $*.html --if-changed $(RT_COMPARE_FLAGS)
 	@touch $@
 
 -include $(wildcard *.d */*.d)

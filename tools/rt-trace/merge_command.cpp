@@ -109,13 +109,10 @@ MergeRecipes recipesOf(const MergeOptions& options, const std::vector<ShardFile>
 }
 
 bool isUpToDate(const MergeOptions& options, const MergeRecipes& recipes) {
-    std::vector<std::string> outputs = options.outputPaths;
-    if (!options.common.jsonPath.empty()) outputs.push_back(options.common.jsonPath);
-    const bool isIt = options.common.ifChanged && std::ranges::all_of(outputs, [&](const std::string& path) {
-                          return carries(path, recipes.of(path));
-                      });
-    if (isIt) logInfo(fmt::format("up to date: {}", fmt::join(outputs, ", ")));
-    return isIt;
+    std::vector<RecipeOutput> outputs;
+    for (const std::string& path : options.outputPaths) outputs.push_back({path, recipes.of(path)});
+    if (!options.common.jsonPath.empty()) outputs.push_back({options.common.jsonPath, recipes.merge});
+    return isUpToDate(options.common, outputs);
 }
 
 /// The picture as the outputs are to have it, filled row by row.
@@ -143,7 +140,7 @@ public:
         }
     }
 
-    /// Both are encoded before either is written.
+    /// All of them or none.
     void write(const MergeOptions& options) {
         std::vector<std::byte> exr, png;
         if (exr_) exr = sealed(exr_->finish(), recipes_.exr);
@@ -151,7 +148,9 @@ public:
             png = sealed(encodeImage("picture.png",
                                      forScreen(std::move(*screen_), options.toneMap, options.exposureStops)),
                          recipes_.merge);
-        for (const std::string& path : options.outputPaths) writeFile(path, isPng(path) ? png : exr);
+        std::vector<OutputFile> files;
+        for (const std::string& path : options.outputPaths) files.push_back({path, {isPng(path) ? png : exr}});
+        writeFiles(files);
     }
 
     /// At most: how well pixels can be compressed is not known before.

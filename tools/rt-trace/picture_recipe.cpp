@@ -2,6 +2,8 @@
 
 #include "formats/environment_picture.h"
 
+#include <fmt/format.h>
+
 namespace rt {
 
 std::vector<RecipeInput> inputsOf(const TraceOptions& options) {
@@ -15,20 +17,32 @@ std::vector<RecipeInput> inputsOf(const TraceOptions& options) {
 std::string makingOf(const CLI::App& app, const TraceOptions& options, bool wholePicture) {
     std::vector<std::string> neutral{
         "scene",        "--rays",           "--camera-path", "--device",         "--resume",
-        "--checkpoint", "--max-gpu-memory", "--explain",     "--no-shader-cache"};
+        "--checkpoint", "--frames",         "--max-gpu-memory", "--explain",     "--no-shader-cache"};
     if (isEnvironmentFile(options.environment)) neutral.push_back("--environment");
     if (wholePicture) neutral.insert(neutral.end(), {"--shard", "--shard-by"});
     return makingOf(app, options.common, neutral) + (options.device == "software" ? "\nsoftware" : "");
 }
 
+Recipe recipeOfFrame(const Recipe& recipe, unsigned frame) {
+    return recipe.isKnown() ? Recipe(fmt::format("{}\nframe {}", recipe.text(), frame)) : Recipe();
+}
+
+Recipe recipeOfReport(const TraceOptions& options) {
+    if (!options.frames || !options.recipe.isKnown()) return options.recipe;
+    return Recipe(fmt::format("{}\nframes {}-{}", options.recipe.text(), options.frames->first, options.frames->last));
+}
+
 bool isUpToDate(const TraceOptions& options) {
-    std::vector<std::string> outputs;
-    const FrameRange frames = options.frames.value_or(FrameRange{});
-    for (const std::string& path : options.outputPaths)
+    std::vector<RecipeOutput> outputs;
+    for (const std::string& path : options.outputPaths) {
+        if (!options.frames) outputs.push_back({path, options.recipe});
+        const FrameRange frames = options.frames.value_or(FrameRange{1, 0});
         for (std::uint64_t frame = frames.first; frame <= frames.last; ++frame)
-            outputs.push_back(framePath(path, static_cast<unsigned>(frame)).value_or(path));
-    if (!options.common.jsonPath.empty()) outputs.push_back(options.common.jsonPath);
-    return isUpToDate(options.common, std::move(outputs), options.recipe);
+            outputs.push_back({framePath(path, static_cast<unsigned>(frame)).value_or(path),
+                               recipeOfFrame(options.recipe, static_cast<unsigned>(frame))});
+    }
+    if (!options.common.jsonPath.empty()) outputs.push_back({options.common.jsonPath, recipeOfReport(options)});
+    return isUpToDate(options.common, outputs);
 }
 
 } // namespace rt

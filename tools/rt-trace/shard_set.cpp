@@ -3,6 +3,7 @@
 #include "common/error.h"
 #include "formats/exr_header.h"
 #include "formats/image_exr.h"
+#include "formats/recipe.h"
 #include "tools/rt-trace/shard.h"
 
 #include <fmt/format.h>
@@ -38,7 +39,7 @@ void checkWindow(const ShardFile& file) {
 }
 
 ShardFile openShard(const std::string& path) {
-    const std::string name = path == "-" ? "standard input" : path;
+    const std::string name = inputName(path);
     const auto refuseOthers = [&](std::span<const std::byte> head) -> std::optional<std::uint64_t> {
         requireExrMagic(head, name);
         return std::nullopt;
@@ -50,6 +51,9 @@ ShardFile openShard(const std::string& path) {
         throwInvalid(name +
                      ": is no shard of a picture: it lacks the attribute rt:shard; render it with --shard");
     file.record = *record;
+    if (isSealBroken(file.bytes))
+        throwInvalid(name + ": is damaged, or was changed after it was rendered: its bytes do not have the hash in "
+                            "its attribute rt:recipe; render this shard again");
     checkWindow(file);
     return file;
 }

@@ -7,6 +7,7 @@
 #include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/picture.h"
 #include "tools/rt-trace/picture_files.h"
+#include "tools/rt-trace/picture_recipe.h"
 #include "tools/rt-trace/render_image.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/turntable.h"
@@ -56,6 +57,8 @@ nlohmann::json makeFrames(const TraceOptions& options, const std::vector<CameraK
     const CameraPose first = setup.pose;
     for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) {
         TraceOptions ofFrame = options;
+        ofFrame.recipe = recipeOfFrame(options.recipe, frame);
+        ofFrame.wholeRecipe = recipeOfFrame(options.wholeRecipe, frame);
         for (std::string& output : ofFrame.outputPaths) output = framePath(output, frame).value_or(output);
         moveCamera(setup, cameraOfFrame(options, path, first, frame), options, scene.file.atlas);
         logInfo(fmt::format("frame {}", frame));
@@ -103,7 +106,7 @@ void report(const TraceOptions& options, const GpuScene& scene, const StageTimer
     nlohmann::json report = figures;
     reportCommon(report, scene, stages);
     reportSections(report, scene, options.environment.empty());
-    writeReport(options.common.jsonPath, report, options.recipe);
+    writeReport(options.common.jsonPath, report, recipeOfReport(options));
 }
 
 } // namespace
