@@ -5,6 +5,8 @@
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/render_loop.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace rt::test {
@@ -18,6 +20,32 @@ struct Picture {
 template <class T>
 bool sameBits(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+/// Two programs of one source: a GPU's compiler may contract multiplications and additions in each of them
+/// otherwise.
+template <class Vector>
+void expectNear(const std::vector<Vector>& a, const std::vector<Vector>& b, const char* what) {
+    ASSERT_EQ(a.size(), b.size());
+    const auto* x = reinterpret_cast<const float*>(a.data());
+    const auto* y = reinterpret_cast<const float*>(b.data());
+    std::size_t far = 0;
+    const std::size_t count = a.size() * sizeof(Vector) / sizeof(float);
+    for (std::size_t i = 0; i < count; ++i)
+        far += !(std::abs(x[i] - y[i]) <= 1e-4f * std::max(1.0f, std::abs(x[i])));
+    EXPECT_LE(double(far), 2e-3 * double(count)) << what; // rays that meet an edge may go either way
+}
+
+inline void expectSameOfTwoPrograms(const FilmPixels& a, const FilmPixels& b) {
+    expectNear(a.colors, b.colors, "colors");
+    expectNear(a.surfaces, b.surfaces, "surfaces");
+    expectNear(a.albedos, b.albedos, "albedos");
+    expectNear(a.positions, b.positions, "positions");
+    expectNear(a.texcoords, b.texcoords, "texcoords");
+    ASSERT_EQ(a.ids.size(), b.ids.size());
+    std::size_t other = 0;
+    for (std::size_t i = 0; i < a.ids.size(); ++i) other += a.ids[i] != b.ids[i];
+    EXPECT_LE(double(other), 2e-3 * double(a.ids.size()));
 }
 
 inline void expectSame(const FilmPixels& a, const FilmPixels& b) {
