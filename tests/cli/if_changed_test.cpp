@@ -304,6 +304,9 @@ TEST_F(IfChanged, AllFramesCount) {
     EXPECT_FALSE(trace());
     fs::remove("f.0002.exr");
     EXPECT_TRUE(trace());
+    fs::copy_file("f.0001.exr", "f.0002.exr", fs::copy_options::overwrite_existing);
+    EXPECT_TRUE(trace()) << "a frame in another's place";
+    EXPECT_FALSE(trace());
     edit("path.json", "[1, 0, 3]", "[1, 0.1, 3]");
     EXPECT_TRUE(trace());
     EXPECT_FALSE(trace());
