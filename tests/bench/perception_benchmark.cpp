@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <functional>
+#include <thread>
 
 namespace rt {
 namespace {
@@ -66,8 +67,18 @@ void ssimOfOneChannel(benchmark::State& state) {
     });
 }
 
+int allCores() {
+    return static_cast<int>(std::thread::hardware_concurrency());
+}
+
 #define RT_PERCEPTION_BENCHMARK(function)                                                                    \
-    BENCHMARK(function)->Arg(1)->Arg(2)->MeasureProcessCPUTime()->UseRealTime()->Unit(benchmark::kMillisecond)
+    BENCHMARK(function)                                                                                      \
+        ->Arg(1)                                                                                             \
+        ->Arg(2)                                                                                             \
+        ->Arg(allCores())                                                                                    \
+        ->MeasureProcessCPUTime()                                                                            \
+        ->UseRealTime()                                                                                      \
+        ->Unit(benchmark::kMillisecond)
 RT_PERCEPTION_BENCHMARK(ldrFlip);
 RT_PERCEPTION_BENCHMARK(hdrFlip14Exposures);
 RT_PERCEPTION_BENCHMARK(ssimOfOneChannel);

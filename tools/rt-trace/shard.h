@@ -5,10 +5,6 @@
 
 namespace rt {
 
-/// Attribute of a part: the text of the recipe that the whole picture has, by which --if-changed knows a
-/// merged one.
-inline constexpr const char* kWholeRecipeKey = "rt:wholeRecipe";
-
 /// Samples of each pixel, by their numbers.
 struct SampleRange {
     unsigned first = 0, count = 1;
