@@ -15,9 +15,10 @@ from planner.graph import build_graph, load_graph, save_graph
 from planner.run_step import run_step
 
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "plan"
+NAME = pathlib.Path(sys.argv[0]).name  # plan, or rt-plan where it is installed
 COMMANDS = ("run", "step", "status", "report")
 EXIT_CODES = """
-Other commands: plan run|step|status|report --help
+Other commands: %(name)s run|step|status|report --help
 
 Exit codes:
   0   ok; status: all steps are done
@@ -36,15 +37,15 @@ def main(argv):
         options = parse(command, argv[1:] if command == "export" else argv[2:])
         return globals()[f"{command}_command"](options)
     except PlanError as error:
-        print(f"plan: error: {error}", file=sys.stderr)
+        print(f"{NAME}: error: {error}", file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
         return FILE_ACCESS
 
 
 def parse(command, words):
-    name = "plan" if command == "export" else f"plan {command}"
-    parser = argparse.ArgumentParser(prog=name, description=ABOUT[command], epilog=EXIT_CODES, allow_abbrev=False,
+    name = NAME if command == "export" else f"{NAME} {command}"
+    parser = argparse.ArgumentParser(prog=name, description=ABOUT[command], epilog=EXIT_CODES % {"name": NAME}, allow_abbrev=False,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     if command in ("export", "run"):
         parser.add_argument("file", type=pathlib.Path, metavar="FILE", help="pipeline description, *.plan.json")
@@ -67,7 +68,7 @@ ABOUT = {
 }
 OPTIONS = {
     "export": [
-        (["--dry-run"], {"action": "store_true", "help": "print the steps and write nothing; so does plan FILE alone"}),
+        (["--dry-run"], {"action": "store_true", "help": "print the steps and write nothing; so does %(prog)s FILE alone"}),
         (["--json"], {"action": "store_true", "help": "print them as JSON"}),
         (["--ninja"], PATH | {"metavar": "FILE", "help": "write a build file for Ninja"}),
         (["--make"], PATH | {"metavar": "FILE", "help": "write a makefile for GNU Make"}),
@@ -176,6 +177,6 @@ def report_command(options):
     if options.junit:
         write_whole(options.junit, junit.suite(graph, options.folder, statuses))
     if not options.output and not options.junit:
-        print("plan report: error: neither -o nor --junit: there is nothing to write", file=sys.stderr)
+        print(f"{NAME} report: error: neither -o nor --junit: there is nothing to write", file=sys.stderr)
         return 2
     return 0
