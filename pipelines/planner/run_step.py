@@ -131,7 +131,7 @@ def verdict(folder, step, code, said):
     """(exit code, state, why)."""
     if code == 0 and step.stamp:
         write_whole(folder / step.stamp, step.token + "\n")
-    missing = [output for output in step.outputs if not (folder / output).exists()]
+    missing = missing_outputs(folder, step)
     if code == 0 and missing:
         return 70, "failed", f"did not write {missing[0]}"
     up_to_date = UP_TO_DATE.search(said)
@@ -141,6 +141,10 @@ def verdict(folder, step, code, said):
     if code > 128:
         return code, "failed", f"ended by {signal_name(code - 128)}"
     return code, "failed", reasons[0] if reasons else f"exit code {code}"
+
+
+def missing_outputs(folder, step):
+    return [output for output in step.outputs if not (folder / output).exists()]
 
 
 def signal_name(number):

@@ -258,6 +258,19 @@ class RunTest(PlanTest):
         state = self.states(expect=10)["import-tent"]
         self.assertEqual((state["state"], state["why"]), ("skipped", "rt-import: up to date: tent.rtmesh"))
 
+    def test_a_step_whose_output_is_gone_is_not_done(self):
+        self.describe()
+        self.stand_in(": >tent.rtmesh\n")
+        self.call("tent.plan.json", "--ninja", "n")
+        self.call("step", "tent", "import-tent")
+        (self.folder / "tent/tent.rtmesh").unlink()
+        state = self.states(expect=10)["import-tent"]
+        self.assertEqual((state["state"], state["why"]), ("waiting", "tent.rtmesh is gone: run the step again"))
+        self.write("tent/slurm-jobs.tsv", "")
+        self.write("squeue", "#!/bin/sh\n", 0o755)
+        self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
+        state = self.states(expect=1)["import-tent"]
+        self.assertEqual(state["state"], "blocked")
 
     def test_a_golden_that_is_missing_fails_until_it_is_there(self):
         comparison = {"gate": {"render": "still", "golden": "golden/still.exr"}}
