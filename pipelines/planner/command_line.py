@@ -9,7 +9,7 @@ import time
 
 from planner import export_make, export_ninja, export_openjd, export_slurm, junit, report, status
 from planner.description import read_description
-from planner.errors import FILE_ACCESS, PlanError
+from planner.errors import FILE_ACCESS, USAGE, PlanError
 from planner.files import write_whole
 from planner.graph import build_graph, load_graph, save_graph
 from planner.run_step import run_step
@@ -102,10 +102,13 @@ def planned(options):
 
 
 def export_command(options):
+    if (options.dry_run or options.json) and (options.ninja or options.make or options.slurm or options.openjd):
+        said = "--dry-run" if options.dry_run else "--json"
+        raise PlanError(USAGE, f"{said} prints steps; it does not go with --ninja, --make, --slurm and --openjd, which write them")
     graph, folder = planned(options)
     plan = [sys.executable, str(PROGRAM)]
     targets = [options.ninja, options.make, options.slurm, options.openjd]
-    if options.dry_run or not any(targets):
+    if not any(targets):
         print(steps_as_json(graph) if options.json else steps_as_text(graph, folder), end="")
         return 0
     ninja, make, slurm, openjd = (target and pathlib.Path(os.path.abspath(target)) for target in targets)
@@ -170,13 +173,12 @@ def print_status(graph, folder, as_json):
 
 
 def report_command(options):
+    if not options.output and not options.junit:
+        raise PlanError(USAGE, "neither -o nor --junit: there is nothing to write")
     graph = load_graph(options.folder)
     statuses = status.run_status(graph, options.folder)
     if options.output:
         write_whole(options.output, report.page(graph, options.folder, statuses, options.output))
     if options.junit:
         write_whole(options.junit, junit.suite(graph, options.folder, statuses))
-    if not options.output and not options.junit:
-        print(f"{NAME} report: error: neither -o nor --junit: there is nothing to write", file=sys.stderr)
-        return 2
     return 0

@@ -11,7 +11,8 @@ from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import read_text, write_whole
 
 VERSION = 1
-STAGES = ("import", "grid", "trace", "merge", "compare")
+CHUNK = 1000  # Slurm's arrays end at 1000 where nobody changed MaxArraySize, Open Job Description's ranges at 1024
+RETRIES = 2  # of a step, where Slurm or Open Job Description runs it
 RESOURCES = {
     "import": {"gpus": 0, "cores": 2, "memory": 4096, "minutes": 30},
     "grid": {"gpus": 0, "cores": 4, "memory": 8192, "minutes": 60},
@@ -63,6 +64,10 @@ class Graph:
         for step in self.steps:
             groups.setdefault(step.group, []).append(step)
         return groups
+
+    def chunks(self):
+        """{group: its steps in lists that engines take as one array}."""
+        return {group: [steps[i : i + CHUNK] for i in range(0, len(steps), CHUNK)] for group, steps in self.groups().items()}
 
     def group_dependencies(self):
         """{group: names of the groups that it waits for}."""

@@ -10,7 +10,7 @@ import subprocess
 import time
 
 from planner.devices import device
-from planner.errors import USAGE, PlanError
+from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
 from planner.files import open_lock, read_text, write_whole
 from planner.graph import load_graph
 
@@ -37,7 +37,7 @@ def run_step(folder, token, retries, touch):
 
 def may_pass_next_time(code):
     """File access, a GPU that was not there, an internal error, a crash; not wrong input, and not being told to end."""
-    return code in (3, 6, 70) or (code > 128 and code - 128 not in (signal.SIGTERM, signal.SIGINT))
+    return code in (FILE_ACCESS, NO_GPU, INTERNAL) or (code > SIGNALLED and code - SIGNALLED not in (signal.SIGTERM, signal.SIGINT))
 
 
 def find_step(graph, folder, token):
@@ -118,13 +118,13 @@ def execute(folder, step, environment, handles, number):
                                        stderr=file, pass_fds=handles)  # fmt: skip
         except OSError as error:
             file.write(f"{step.argv[0]}: error: cannot be run: {error.strerror}\n")
-            return 127, ""
+            return CANNOT_RUN, ""
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, lambda *_: process.terminate())
         code = process.wait()
     with open(log, encoding="utf-8", errors="replace") as file:
         file.seek(begin)
-        return (code if code >= 0 else 128 - code), file.read()
+        return (code if code >= 0 else SIGNALLED - code), file.read()
 
 
 def verdict(folder, step, code, said):
@@ -133,13 +133,13 @@ def verdict(folder, step, code, said):
         write_whole(folder / step.stamp, step.token + "\n")
     missing = missing_outputs(folder, step)
     if code == 0 and missing:
-        return 70, "failed", f"did not write {missing[0]}"
+        return INTERNAL, "failed", f"did not write {missing[0]}"
     up_to_date = UP_TO_DATE.search(said)
     if code == 0:
         return 0, "skipped" if up_to_date else "done", up_to_date[1] if up_to_date else ""
     reasons = REASON.findall(said)
-    if code > 128:
-        return code, "failed", f"ended by {signal_name(code - 128)}"
+    if code > SIGNALLED:
+        return code, "failed", f"ended by {signal_name(code - SIGNALLED)}"
     return code, "failed", reasons[0] if reasons else f"exit code {code}"
 
 

@@ -167,6 +167,13 @@ class StepsTest(PlanTest):
         self.assertIn("trace-whole-0001: 1 gpu, 1 cores", self.call("tent.plan.json"))
         self.assertFalse((self.folder / "tent").exists())
 
+    def test_printing_and_exporting_do_not_go_together(self):
+        self.describe()
+        for printing in ("--json", "--dry-run"):
+            for target in ("--ninja", "--make", "--slurm", "--openjd"):
+                self.assertIn(f"plan: error: {printing} prints", self.call("tent.plan.json", printing, target, "x", expect=2))
+                self.assertFalse((self.folder / "x").exists())
+
     def test_exports_are_the_same_bytes_again(self):
         self.describe()
         words = ["tent.plan.json", "--ninja", "n", "--make", "m", "--openjd", "o", "--slurm", "s"]
