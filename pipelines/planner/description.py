@@ -6,6 +6,7 @@ import re
 from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import read_text
 from planner.schema import first_fault
+from planner.tool_options import DECIDED, faults_of_options
 
 SCHEMA = pathlib.Path(__file__).resolve().parent.parent / "plan.schema.json"
 
@@ -34,6 +35,9 @@ def without_repeats(pairs):
 def faults_of(content, folder):
     """What the schema cannot say."""
     yield from faults_of_names(content)
+    for kind in DECIDED:
+        for name, item in content.get(kind, {}).items():
+            yield from faults_of_options(kind, f"$.{kind}.{name}", item)
     for name, render in content["renders"].items():
         yield from faults_of_render(f"$.renders.{name}", render)
     for name, comparison in content.get("comparisons", {}).items():

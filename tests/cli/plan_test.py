@@ -22,7 +22,7 @@ ROOT, TOOLS = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 PLAN = ROOT / "pipelines" / "plan"
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "pipelines"))
-from planner import thumbnail  # noqa: E402
+from planner import description, errors, thumbnail, tool_options  # noqa: E402
 
 MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 PATH = [{"frame": 1, "eye": [3, 2, 0], "lookAt": [0, 0.4, 0]}, {"frame": 2, "eye": [0, 2, 3], "lookAt": [0, 0.4, 0]}]
@@ -72,6 +72,13 @@ BY_PLAN = [
     (("comparisons", "same", "golden"), "g.%04d.exr", "$.comparisons.same"),
     (("comparisons", "same", "render"), "none", "$.comparisons.same.render"),
 ]
+REFUSED = {
+    ("scenes", "tent"): ["-o", "-o../x.rtmesh", "-vo../x.rtmesh", "--output=../x.rtmesh", "--json", "--depfile", "--if-changed", "-j2",
+                         "--threads", "--list-formats", "--"],
+    ("atlases", "tent"): ["--quality", "--structure=cloud", "--vdb", "--dry-run", "--output"],
+    ("renders", "still"): ["--shard", "--shard=1/2", "--frames", "--size", "--device", "--aov", "--checkpoint", "--tonemap", "-o"],
+    ("comparisons", "same"): ["-o", "--html", "--junit", "--json"],
+}  # fmt: skip
 
 
 def changed(place, value):
@@ -130,6 +137,25 @@ class DescriptionTest(PlanTest):
                 said = self.call("tent.plan.json", expect=4)
                 self.assertRegex(said, rf"^plan: error: tent\.plan\.json: {re.escape(path)}: .+\n$")
                 self.assertFalse((self.folder / "tent").exists())
+
+    def test_what_plan_decides_is_no_option(self):
+        for place, words in REFUSED.items():
+            for word in words:
+                with self.subTest(place=place, word=word):
+                    self.describe(changed((*place, "options"), ["--stats", word, "../x"]))
+                    with self.assertRaisesRegex(errors.PlanError, rf": \$\.{'.'.join(place)}\.options\[1\]: -"):
+                        description.read_description(self.folder / "tent.plan.json")
+        self.describe(changed(("renders", "around", "pngOptions"), ["--exposure", "-1", "--output=../x.png"]))
+        self.assertIn("$.renders.around.pngOptions[2]: --output", self.call("tent.plan.json", expect=4))
+        self.describe(changed(("renders", "still", "options"), ["-v", "--eye", "-1,2,3", "--look-at", "-.5,0,0"]))
+        self.call("tent.plan.json")
+
+    def test_options_that_are_refused_are_those_of_the_tools(self):
+        tools = {"scenes": "rt-import", "atlases": "rt-grid", "renders": "rt-trace", "comparisons": "rt-compare"}
+        for kind, tool in tools.items():
+            said = subprocess.run([TOOLS / tool, "--help"], capture_output=True, text=True, check=True).stdout
+            known = set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", " ".join(re.findall(r"^  (-\S+)", said, re.MULTILINE)).replace(",", " ")))
+            self.assertLessEqual((tool_options.OF_ALL | tool_options.DECIDED[kind]).keys() - {"--"}, known)
 
     def test_schema_is_checked_as_jsonschema_does(self):
         schema = json.loads((ROOT / "pipelines/plan.schema.json").read_text())
