@@ -58,6 +58,8 @@ BY_SCHEMA = [
     (("renders", "around", "resources", "gpus"), 2, "$.renders.around.resources.gpus"),
     (("renders", "around", "passes", 0), "", "$.renders.around.passes[0]"),
     (("comparisons", "same", "limits"), {"rmse": 1}, "$.comparisons.same.limits.rmse"),
+    (("comparisons", "same", "limits", "max-foo"), 1, "$.comparisons.same.limits.max-foo"),
+    (("renders", "around", "frames", 1), 2**32, "$.renders.around.frames[1]"),
     (("comparisons", "same", "limits", "max-rmse"), None, "$.comparisons.same.limits.max-rmse"),
     (("resources", "import", "cores"), 1.5, "$.resources.import.cores"),
 ]
@@ -71,6 +73,16 @@ BY_PLAN = [
     (("comparisons", "same", "against"), "still", "$.comparisons.same.against"),
     (("comparisons", "same", "golden"), "g.%04d.exr", "$.comparisons.same"),
     (("comparisons", "same", "render"), "none", "$.comparisons.same.render"),
+    (("comparisons", "same", "against"), "around", "$.comparisons.same.against"),
+    (("renders", "around", "frames"), [1, 999999999], "$.renders.around"),
+    (("renders", "whole"), LOOK | {"frames": [1, 999999999], "framesPerStep": 999999999}, "$.renders.whole"),
+    (("renders", "still", "shards"), 999999999, "$.renders.still"),
+    (("renders", "still", "shards"), 3, "$.renders.still.shards"),
+    (("renders", "still"), LOOK | {"shards": 2, "options": ["--crop", "0,31,64,32"]}, "$.renders.still.shards"),
+    (("renders", "around", "shardBy"), "samples", "$.renders.around.shards"),
+    (("renders", "still"), LOOK | {"shards": 5, "shardBy": "samples", "options": ["--spp=4"]}, "$.renders.still.shards"),
+    (("renders", "still"), LOOK | {"shards": 2, "shardBy": "samples", "options": ["--spp=4", "--target-error", "1"]},
+     "$.renders.still.shardBy"),
 ]
 REFUSED = {
     ("scenes", "tent"): ["-o", "-o../x.rtmesh", "-vo../x.rtmesh", "--output=../x.rtmesh", "--json", "--depfile", "--if-changed", "-j2",
@@ -166,6 +178,19 @@ class DescriptionTest(PlanTest):
             self.assertFalse(validator.is_valid(changed(place, value)), place)
         for place, value, _ in BY_PLAN:
             self.assertTrue(validator.is_valid(changed(place, value)), place)
+
+    def test_limits_are_those_of_rt_compare(self):
+        said = subprocess.run([TOOLS / "rt-compare", "--help"], capture_output=True, text=True, check=True).stdout
+        known = re.findall(r"^  --(\S+) \[NAME=\]X", said, re.MULTILINE)
+        comparisons = json.loads((ROOT / "pipelines/plan.schema.json").read_text())["$defs"]["comparisons"]
+        limits = comparisons["additionalProperties"]["properties"]["limits"]
+        self.assertEqual(limits["propertyNames"]["enum"], known)
+
+    def test_shards_that_rt_trace_takes_are_good(self):
+        for render in ({"shards": 2}, {"shards": 2, "options": ["--crop=0,31,64,33"]},
+                       {"shards": 4, "shardBy": "samples", "options": ["--spp", "4"]}):  # fmt: skip
+            self.describe(changed(("renders", "still"), LOOK | render))
+            self.call("tent.plan.json")
 
     def test_files_that_are_no_json(self):
         self.assertIn("cannot be read", self.call("tent.plan.json", expect=3))
