@@ -3,14 +3,15 @@ import argparse
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
 
 from planner import export_make, export_ninja, export_openjd, export_slurm, junit, report, status
 from planner.description import read_description
-from planner.errors import FILE_ACCESS, USAGE, PlanError
-from planner.files import write_whole
+from planner.errors import FILE_ACCESS, SIGNALLED, USAGE, PlanError
+from planner.files import passed_on, write_whole
 from planner.graph import build_graph, load_graph, save_graph
 from planner.run_step import run_step
 
@@ -27,6 +28,7 @@ Exit codes:
   3   a file could not be read or written
   4   invalid content in an input
   10  status: steps are running or waiting
+  130 interrupted (Ctrl-C); 143 ended (SIGTERM)
 step ends with the code of its tool
 """
 
@@ -41,6 +43,9 @@ def main(argv):
         return error.exit_code
     except BrokenPipeError:
         return FILE_ACCESS
+    except KeyboardInterrupt:
+        print(f"{NAME}: error: interrupted", file=sys.stderr)
+        return SIGNALLED + signal.SIGINT
 
 
 def parse(command, words):
@@ -149,9 +154,13 @@ def run_command(options):
     write_whole(folder / "run.json", json.dumps({"start": time.time()}) + "\n")
     jobs = ["-j", str(options.jobs)] if options.jobs else []
     try:
-        subprocess.run(["ninja", "-C", folder, "-k", "0", *jobs], check=False)
+        ninja = subprocess.Popen(["ninja", "-C", folder, "-k", "0", *jobs])
     except OSError as error:
         raise PlanError(FILE_ACCESS, f"ninja cannot be run: {error.strerror}; install ninja-build") from None
+    with passed_on(ninja) as signals:
+        ninja.wait()
+    if signals:
+        raise PlanError(SIGNALLED + signals[0], f"interrupted; steps that run have been ended, the same command goes on: {folder}")
     return print_status(graph, folder, as_json=False)
 
 

@@ -11,7 +11,7 @@ import time
 
 from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
-from planner.files import open_lock, read_text, write_whole
+from planner.files import open_lock, passed_on, read_text, write_whole
 from planner.graph import load_graph
 
 UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
@@ -119,9 +119,8 @@ def execute(folder, step, environment, handles, number):
         except OSError as error:
             file.write(f"{step.argv[0]}: error: cannot be run: {error.strerror}\n")
             return CANNOT_RUN, ""
-        for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, lambda *_: process.terminate())
-        code = process.wait()
+        with passed_on(process):
+            code = process.wait()
     with open(log, encoding="utf-8", errors="replace") as file:
         file.seek(begin)
         return (code if code >= 0 else SIGNALLED - code), file.read()

@@ -6,6 +6,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -361,6 +362,23 @@ class RunTest(PlanTest):
         self.assertEqual(second.wait(timeout=20), 0)
         state = self.states(expect=10)["import-tent"]
         self.assertEqual([attempt["why"] for attempt in state["attempts"]], ["cut off", ""])
+
+    def test_an_interrupted_run_ends_with_one_line_and_leaves_nothing_running(self):
+        self.describe()
+        self.stand_in("echo $$ >>pids; exec sleep 60\n")
+        for number in (signal.SIGINT, signal.SIGTERM):
+            pids = self.folder / "tent/pids"
+            pids.unlink(missing_ok=True)
+            run = subprocess.Popen([sys.executable, PLAN, "run", "tent.plan.json"], cwd=self.folder, env=self.environment,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)  # fmt: skip
+            self.wait_for(lambda: pids.exists() and pids.read_text().endswith("\n"))
+            run.send_signal(number)
+            out, said = run.communicate(timeout=20)
+            self.assertEqual(run.returncode, 128 + number, out + said)
+            self.assertRegex(said, r"^plan: error: interrupted.*\n$")
+            self.assertNotIn("Traceback", out)
+            self.assertFalse(any(pathlib.Path("/proc", pid).exists() for pid in pids.read_text().split()))
+            self.assertEqual(self.states(expect=1)["import-tent"]["why"], "ended by SIGTERM")
 
     def wait_for(self, condition):
         end = time.monotonic() + 20
