@@ -66,6 +66,9 @@ def faults_of_render(place, render):
         yield f"{place}.frames", f"the last, {last}, is before the first, {first}"
     if "frames" not in render and ("framesPerStep" in render or "cameraPath" in render):
         yield place, "framesPerStep and cameraPath need frames"
+    moves = "camera" in render or "cameraPath" in render or value_of(render.get("options", []), "--turntable") is not None
+    if "frames" in render and not moves:
+        yield f"{place}.frames", "need a camera with a path, cameraPath, or the option --turntable"
     if render.get("shards", 1) > 1 and render.get("framesPerStep", 1) > 1:
         yield f"{place}.framesPerStep", "shards split a frame, framesPerStep joins frames: give one of them"
     if "shardBy" in render and render.get("shards", 1) == 1:
