@@ -88,8 +88,20 @@ def graph_path(folder):
 
 
 def save_graph(graph, folder):
-    content = {"planVersion": VERSION, **dataclasses.asdict(graph)}
-    write_whole(graph_path(folder), json.dumps(content, indent=1) + "\n")
+    """Each step has a line, so that a step finds its own among many without reading all."""
+    head, rest = ({"planVersion": VERSION, "name": graph.name}, {"renders": graph.renders, "comparisons": graph.comparisons})
+    steps = ",\n".join(json.dumps(vars(step)) for step in graph.steps)
+    write_whole(graph_path(folder), f'{json.dumps(head)[:-1]}, "steps": [\n{steps}\n],\n{json.dumps(rest)[1:]}\n')
+
+
+def load_step(folder, id):
+    """The step, or None."""
+    start = f'{{"id": {json.dumps(id)}, '
+    line = next((line for line in read_text(graph_path(folder)).splitlines() if line.startswith(start)), None)
+    try:
+        return Step(**json.loads(line.rstrip(","))) if line else None
+    except (ValueError, TypeError):
+        return None
 
 
 def load_graph(folder):

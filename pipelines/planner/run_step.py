@@ -12,7 +12,7 @@ import time
 from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
 from planner.files import open_lock, passed_on, read_text, write_whole
-from planner.graph import load_graph
+from planner.graph import load_step
 
 UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
 REASON = re.compile(r"^(rt-\w+: error: .*|limit: .*: broken|verdict: .*)$", re.MULTILINE)
@@ -21,7 +21,7 @@ PAUSE_SECONDS = 0.5
 
 def run_step(folder, token, retries, touch):
     """The exit code. Outputs are there whole or, if it is not 0, as they were before."""
-    step = find_step(load_graph(folder), folder, token)
+    step = find_step(folder, token)
     with step_lock(folder, step) as lock:
         attempts = interrupted_attempts(folder, step)
         for left in range(retries, -1, -1):
@@ -40,9 +40,8 @@ def may_pass_next_time(code):
     return code in (FILE_ACCESS, NO_GPU, INTERNAL) or (code > SIGNALLED and code - SIGNALLED not in (signal.SIGTERM, signal.SIGINT))
 
 
-def find_step(graph, folder, token):
-    id = token.partition("@")[0]
-    step = next((step for step in graph.steps if step.id == id), None)
+def find_step(folder, token):
+    step = load_step(folder, token.partition("@")[0])
     if step is None or token not in (step.id, step.token):
         raise PlanError(USAGE, f"{folder / 'plan.json'}: has no step {token}: it changed since this was exported; export again")
     return step
