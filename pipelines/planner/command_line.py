@@ -3,21 +3,23 @@ import argparse
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import time
 
 from planner import export_make, export_ninja, export_openjd, export_slurm, junit, report, status
 from planner.description import read_description
-from planner.errors import FILE_ACCESS, PlanError
-from planner.files import write_whole
+from planner.errors import FILE_ACCESS, SIGNALLED, USAGE, PlanError
+from planner.files import passed_on, write_whole
 from planner.graph import build_graph, load_graph, save_graph
 from planner.run_step import run_step
 
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "plan"
+NAME = pathlib.Path(sys.argv[0]).name  # plan, or rt-plan where it is installed
 COMMANDS = ("run", "step", "status", "report")
 EXIT_CODES = """
-Other commands: plan run|step|status|report --help
+Other commands: %(name)s run|step|status|report --help
 
 Exit codes:
   0   ok; status: all steps are done
@@ -26,6 +28,7 @@ Exit codes:
   3   a file could not be read or written
   4   invalid content in an input
   10  status: steps are running or waiting
+  130 interrupted (Ctrl-C); 143 ended (SIGTERM)
 step ends with the code of its tool
 """
 
@@ -36,15 +39,18 @@ def main(argv):
         options = parse(command, argv[1:] if command == "export" else argv[2:])
         return globals()[f"{command}_command"](options)
     except PlanError as error:
-        print(f"plan: error: {error}", file=sys.stderr)
+        print(f"{NAME}: error: {error}", file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
         return FILE_ACCESS
+    except KeyboardInterrupt:
+        print(f"{NAME}: error: interrupted", file=sys.stderr)
+        return SIGNALLED + signal.SIGINT
 
 
 def parse(command, words):
-    name = "plan" if command == "export" else f"plan {command}"
-    parser = argparse.ArgumentParser(prog=name, description=ABOUT[command], epilog=EXIT_CODES, allow_abbrev=False,
+    name = NAME if command == "export" else f"{NAME} {command}"
+    parser = argparse.ArgumentParser(prog=name, description=ABOUT[command], epilog=EXIT_CODES % {"name": NAME}, allow_abbrev=False,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
     if command in ("export", "run"):
         parser.add_argument("file", type=pathlib.Path, metavar="FILE", help="pipeline description, *.plan.json")
@@ -67,7 +73,7 @@ ABOUT = {
 }
 OPTIONS = {
     "export": [
-        (["--dry-run"], {"action": "store_true", "help": "print the steps and write nothing; so does plan FILE alone"}),
+        (["--dry-run"], {"action": "store_true", "help": "print the steps and write nothing; so does %(prog)s FILE alone"}),
         (["--json"], {"action": "store_true", "help": "print them as JSON"}),
         (["--ninja"], PATH | {"metavar": "FILE", "help": "write a build file for Ninja"}),
         (["--make"], PATH | {"metavar": "FILE", "help": "write a makefile for GNU Make"}),
@@ -101,10 +107,13 @@ def planned(options):
 
 
 def export_command(options):
+    if (options.dry_run or options.json) and (options.ninja or options.make or options.slurm or options.openjd):
+        said = "--dry-run" if options.dry_run else "--json"
+        raise PlanError(USAGE, f"{said} prints steps; it does not go with --ninja, --make, --slurm and --openjd, which write them")
     graph, folder = planned(options)
     plan = [sys.executable, str(PROGRAM)]
     targets = [options.ninja, options.make, options.slurm, options.openjd]
-    if options.dry_run or not any(targets):
+    if not any(targets):
         print(steps_as_json(graph) if options.json else steps_as_text(graph, folder), end="")
         return 0
     ninja, make, slurm, openjd = (target and pathlib.Path(os.path.abspath(target)) for target in targets)
@@ -145,9 +154,13 @@ def run_command(options):
     write_whole(folder / "run.json", json.dumps({"start": time.time()}) + "\n")
     jobs = ["-j", str(options.jobs)] if options.jobs else []
     try:
-        subprocess.run(["ninja", "-C", folder, "-k", "0", *jobs], check=False)
+        ninja = subprocess.Popen(["ninja", "-C", folder, "-k", "0", *jobs])
     except OSError as error:
         raise PlanError(FILE_ACCESS, f"ninja cannot be run: {error.strerror}; install ninja-build") from None
+    with passed_on(ninja) as signals:
+        ninja.wait()
+    if signals:
+        raise PlanError(SIGNALLED + signals[0], f"interrupted; steps that run have been ended, the same command goes on: {folder}")
     return print_status(graph, folder, as_json=False)
 
 
@@ -169,13 +182,12 @@ def print_status(graph, folder, as_json):
 
 
 def report_command(options):
+    if not options.output and not options.junit:
+        raise PlanError(USAGE, "neither -o nor --junit: there is nothing to write")
     graph = load_graph(options.folder)
     statuses = status.run_status(graph, options.folder)
     if options.output:
         write_whole(options.output, report.page(graph, options.folder, statuses, options.output))
     if options.junit:
         write_whole(options.junit, junit.suite(graph, options.folder, statuses))
-    if not options.output and not options.junit:
-        print("plan report: error: neither -o nor --junit: there is nothing to write", file=sys.stderr)
-        return 2
     return 0

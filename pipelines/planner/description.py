@@ -6,7 +6,10 @@ import re
 from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import read_text
 from planner.schema import first_fault
+from planner.tool_options import DECIDED, faults_of_options, value_of
 
+MOST_STEPS = 100_000  # of a graph with which Ninja, Make and status still work
+TILE_ROWS = 32
 SCHEMA = pathlib.Path(__file__).resolve().parent.parent / "plan.schema.json"
 
 
@@ -34,6 +37,10 @@ def without_repeats(pairs):
 def faults_of(content, folder):
     """What the schema cannot say."""
     yield from faults_of_names(content)
+    for kind in DECIDED:
+        for name, item in content.get(kind, {}).items():
+            yield from faults_of_options(kind, f"$.{kind}.{name}", item)
+    yield from faults_of_number(content)
     for name, render in content["renders"].items():
         yield from faults_of_render(f"$.renders.{name}", render)
     for name, comparison in content.get("comparisons", {}).items():
@@ -59,16 +66,55 @@ def faults_of_render(place, render):
         yield f"{place}.frames", f"the last, {last}, is before the first, {first}"
     if "frames" not in render and ("framesPerStep" in render or "cameraPath" in render):
         yield place, "framesPerStep and cameraPath need frames"
+    moves = "camera" in render or "cameraPath" in render or value_of(render.get("options", []), "--turntable") is not None
+    if "frames" in render and not moves:
+        yield f"{place}.frames", "need a camera with a path, cameraPath, or the option --turntable"
     if render.get("shards", 1) > 1 and render.get("framesPerStep", 1) > 1:
         yield f"{place}.framesPerStep", "shards split a frame, framesPerStep joins frames: give one of them"
     if "shardBy" in render and render.get("shards", 1) == 1:
         yield f"{place}.shardBy", "needs shards, 2 or more"
+    elif render.get("shards", 1) > 1:
+        yield from faults_of_shards(place, render)
+
+
+def faults_of_number(content):
+    """Counts without making them; a picture counts as a step, though a step may make several."""
+    total = len(content["scenes"]) + len(content["atlases"])
+    for kind in ("renders", "comparisons"):
+        for name, item in content.get(kind, {}).items():
+            first, last = (item if kind == "renders" else content["renders"][item["render"]]).get("frames", (0, 0))
+            shards = item.get("shards", 1)
+            total += max(last - first + 1, 0) * (shards + 1 if shards > 1 else 1)
+            if total > MOST_STEPS:
+                yield f"$.{kind}.{name}", f"makes it {total} steps; {MOST_STEPS} at most: describe parts of the frames apart"
+
+
+def faults_of_shards(place, render):
+    """What rt-trace --shard refuses. Values that are no numbers are left to it."""
+    options = render.get("options", [])
+    if render.get("shardBy") == "samples":
+        for name in ("--time-limit", "--target-error", "--heat"):
+            if value_of(options, name) is not None:
+                yield f"{place}.shardBy", f"samples does not go with {name}; take parts"
+        most, of = whole_number(value_of(options, "--spp") or "1"), "samples per pixel (--spp)"
+    else:
+        corners = [whole_number(word) for word in (value_of(options, "--crop") or "").split(",")]
+        first, end = corners[1::2] if len(corners) == 4 else (0, render.get("size", (512, 512))[1])
+        most, of = None if None in (first, end) else -(-end // TILE_ROWS) - first // TILE_ROWS, f"rows of tiles of {TILE_ROWS} pixels"
+    if most is not None and render["shards"] > most:
+        yield f"{place}.shards", f"{render['shards']} are more than the picture's {most} {of}; lower them"
+
+
+def whole_number(word):
+    return int(word) if isinstance(word, str) and word.isdecimal() else None
 
 
 def faults_of_comparison(place, comparison, renders):
     if ("against" in comparison) == ("golden" in comparison):
         yield place, "wants either 'against', a render, or 'golden', a picture"
         return
+    if comparison["render"] == comparison.get("against"):
+        yield f"{place}.against", f"'{comparison['render']}' would be compared with itself; name another render"
     frames = renders[comparison["render"]].get("frames")
     if "against" in comparison and renders[comparison["against"]].get("frames") != frames:
         yield f"{place}.against", f"has other frames than '{comparison['render']}'"

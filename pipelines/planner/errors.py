@@ -3,6 +3,11 @@
 USAGE = 2
 FILE_ACCESS = 3
 INVALID_CONTENT = 4
+NO_GPU = 6
+INTERNAL = 70
+# As shells have them.
+CANNOT_RUN = 127
+SIGNALLED = 128  # and the signal's number
 
 
 class PlanError(Exception):

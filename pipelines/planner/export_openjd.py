@@ -2,9 +2,8 @@
 import json
 
 from planner.errors import INVALID_CONTENT, PlanError
-from planner.export_slurm import RETRIES
+from planner.graph import RETRIES
 
-RANGE_LIMIT = 1000  # the specification allows 1024 values
 NAME_LIMIT = 64
 
 
@@ -22,17 +21,13 @@ def openjd_text(graph, plan, folder):
 
 
 def steps_of(graph, plan):
-    chunks = {group: chunked(steps) for group, steps in graph.groups().items()}
+    chunks = graph.chunks()
     dependencies = graph.group_dependencies()
     steps = []
     for group, parts in chunks.items():
         awaited = [step_name(other, i) for other in dependencies[group] for i in range(len(chunks[other]))]
         steps += [step_template(step_name(group, i), part, awaited, plan) for i, part in enumerate(parts)]
     return steps
-
-
-def chunked(steps):
-    return [steps[i : i + RANGE_LIMIT] for i in range(0, len(steps), RANGE_LIMIT)]
 
 
 def step_name(group, i):

@@ -2,9 +2,7 @@
 import shlex
 
 from planner.files import write_whole
-
-ARRAY_LIMIT = 1000  # MaxArraySize is 1001 where nobody changed it
-RETRIES = 2
+from planner.graph import RETRIES
 
 JOB = """#!/bin/sh
 #SBATCH --job-name={name}
@@ -50,7 +48,7 @@ echo "$jobs" | tr : '\\n'
 
 def export_slurm(graph, plan, folder, jobs_folder):
     """Writes the scripts and lists of tasks; each array task finds its step in line SLURM_ARRAY_TASK_ID of its list."""
-    chunks = {group: chunked(steps) for group, steps in graph.groups().items()}
+    chunks = graph.chunks()
     dependencies = graph.group_dependencies()
     submissions = []
     for group, parts in chunks.items():
@@ -66,10 +64,6 @@ def export_slurm(graph, plan, folder, jobs_folder):
     text = SUBMIT.format(name=graph.name, folder=shell["folder"], submissions="\n".join(submissions),
                          summary=shlex.quote(str(summary)))  # fmt: skip
     write_whole(jobs_folder / "submit.sh", text, executable=True)
-
-
-def chunked(steps):
-    return [steps[i : i + ARRAY_LIMIT] for i in range(0, len(steps), ARRAY_LIMIT)]
 
 
 def variable(group, i):

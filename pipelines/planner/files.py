@@ -1,7 +1,8 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, locks, and signals for those who hold them."""
 import contextlib
 import fcntl
 import os
+import signal
 import tempfile
 
 from planner.errors import FILE_ACCESS, PlanError
@@ -48,6 +49,23 @@ def try_lock(handle, how=fcntl.LOCK_EX):
         return True
     except BlockingIOError:
         return False
+
+
+@contextlib.contextmanager
+def passed_on(process):
+    """Ctrl-C and being told to end go to the process, so that it ends first; gives the list of signals that came."""
+    signals = []
+
+    def pass_on(number, _):
+        signals.append(number)
+        process.terminate()  # it may have been started with Ctrl-C ignored
+
+    before = {number: signal.signal(number, pass_on) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield signals
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def tail(path, lines=40):

@@ -11,7 +11,8 @@ from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import read_text, write_whole
 
 VERSION = 1
-STAGES = ("import", "grid", "trace", "merge", "compare")
+CHUNK = 1000  # Slurm's arrays end at 1000 where nobody changed MaxArraySize, Open Job Description's ranges at 1024
+RETRIES = 2  # of a step, where Slurm or Open Job Description runs it
 RESOURCES = {
     "import": {"gpus": 0, "cores": 2, "memory": 4096, "minutes": 30},
     "grid": {"gpus": 0, "cores": 4, "memory": 8192, "minutes": 60},
@@ -64,6 +65,10 @@ class Graph:
             groups.setdefault(step.group, []).append(step)
         return groups
 
+    def chunks(self):
+        """{group: its steps in lists that engines take as one array}."""
+        return {group: [steps[i : i + CHUNK] for i in range(0, len(steps), CHUNK)] for group, steps in self.groups().items()}
+
     def group_dependencies(self):
         """{group: names of the groups that it waits for}."""
         group_of = {step.id: step.group for step in self.steps}
@@ -83,8 +88,20 @@ def graph_path(folder):
 
 
 def save_graph(graph, folder):
-    content = {"planVersion": VERSION, **dataclasses.asdict(graph)}
-    write_whole(graph_path(folder), json.dumps(content, indent=1) + "\n")
+    """Each step has a line, so that a step finds its own among many without reading all."""
+    head, rest = ({"planVersion": VERSION, "name": graph.name}, {"renders": graph.renders, "comparisons": graph.comparisons})
+    steps = ",\n".join(json.dumps(vars(step)) for step in graph.steps)
+    write_whole(graph_path(folder), f'{json.dumps(head)[:-1]}, "steps": [\n{steps}\n],\n{json.dumps(rest)[1:]}\n')
+
+
+def load_step(folder, id):
+    """The step, or None."""
+    start = f'{{"id": {json.dumps(id)}, '
+    line = next((line for line in read_text(graph_path(folder)).splitlines() if line.startswith(start)), None)
+    try:
+        return Step(**json.loads(line.rstrip(","))) if line else None
+    except (ValueError, TypeError):
+        return None
 
 
 def load_graph(folder):

@@ -10,9 +10,9 @@ import subprocess
 import time
 
 from planner.devices import device
-from planner.errors import USAGE, PlanError
-from planner.files import open_lock, read_text, write_whole
-from planner.graph import load_graph
+from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
+from planner.files import open_lock, passed_on, read_text, write_whole
+from planner.graph import load_step
 
 UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
 REASON = re.compile(r"^(rt-\w+: error: .*|limit: .*: broken|verdict: .*)$", re.MULTILINE)
@@ -21,7 +21,7 @@ PAUSE_SECONDS = 0.5
 
 def run_step(folder, token, retries, touch):
     """The exit code. Outputs are there whole or, if it is not 0, as they were before."""
-    step = find_step(load_graph(folder), folder, token)
+    step = find_step(folder, token)
     with step_lock(folder, step) as lock:
         attempts = interrupted_attempts(folder, step)
         for left in range(retries, -1, -1):
@@ -37,12 +37,11 @@ def run_step(folder, token, retries, touch):
 
 def may_pass_next_time(code):
     """File access, a GPU that was not there, an internal error, a crash; not wrong input, and not being told to end."""
-    return code in (3, 6, 70) or (code > 128 and code - 128 not in (signal.SIGTERM, signal.SIGINT))
+    return code in (FILE_ACCESS, NO_GPU, INTERNAL) or (code > SIGNALLED and code - SIGNALLED not in (signal.SIGTERM, signal.SIGINT))
 
 
-def find_step(graph, folder, token):
-    id = token.partition("@")[0]
-    step = next((step for step in graph.steps if step.id == id), None)
+def find_step(folder, token):
+    step = load_step(folder, token.partition("@")[0])
     if step is None or token not in (step.id, step.token):
         raise PlanError(USAGE, f"{folder / 'plan.json'}: has no step {token}: it changed since this was exported; export again")
     return step
@@ -118,29 +117,32 @@ def execute(folder, step, environment, handles, number):
                                        stderr=file, pass_fds=handles)  # fmt: skip
         except OSError as error:
             file.write(f"{step.argv[0]}: error: cannot be run: {error.strerror}\n")
-            return 127, ""
-        for number in (signal.SIGTERM, signal.SIGINT):
-            signal.signal(number, lambda *_: process.terminate())
-        code = process.wait()
+            return CANNOT_RUN, ""
+        with passed_on(process):
+            code = process.wait()
     with open(log, encoding="utf-8", errors="replace") as file:
         file.seek(begin)
-        return (code if code >= 0 else 128 - code), file.read()
+        return (code if code >= 0 else SIGNALLED - code), file.read()
 
 
 def verdict(folder, step, code, said):
     """(exit code, state, why)."""
     if code == 0 and step.stamp:
         write_whole(folder / step.stamp, step.token + "\n")
-    missing = [output for output in step.outputs if not (folder / output).exists()]
+    missing = missing_outputs(folder, step)
     if code == 0 and missing:
-        return 70, "failed", f"did not write {missing[0]}"
+        return INTERNAL, "failed", f"did not write {missing[0]}"
     up_to_date = UP_TO_DATE.search(said)
     if code == 0:
         return 0, "skipped" if up_to_date else "done", up_to_date[1] if up_to_date else ""
     reasons = REASON.findall(said)
-    if code > 128:
-        return code, "failed", f"ended by {signal_name(code - 128)}"
+    if code > SIGNALLED:
+        return code, "failed", f"ended by {signal_name(code - SIGNALLED)}"
     return code, "failed", reasons[0] if reasons else f"exit code {code}"
+
+
+def missing_outputs(folder, step):
+    return [output for output in step.outputs if not (folder / output).exists()]
 
 
 def signal_name(number):

@@ -5,7 +5,7 @@ import fcntl
 import os
 
 from planner.files import open_lock, try_lock
-from planner.run_step import lock_path, read_record
+from planner.run_step import lock_path, missing_outputs, read_record
 from planner.slurm_queue import queued_steps
 
 FINISHED, FAILED, UNFINISHED = 0, 1, 10
@@ -37,7 +37,11 @@ def step_status(step, folder, found, queue):
     if queue and step.id in queue:
         return StepStatus(step, "waiting", f"Slurm job {queue[step.id]}", attempts)
     if record and record["state"] != "running":
-        return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
+        gone = missing_outputs(folder, step) if record["state"] in ("done", "skipped") else []
+        if not gone:
+            return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
+        # Slurm has nothing that would make it again.
+        return StepStatus(step, "waiting" if queue is None else "blocked", f"{gone[0]} is gone: run the step again", attempts)
     stopped = [id for id in step.depends_on if found[id].state in ("failed", "blocked")]
     if stopped:
         return StepStatus(step, "blocked", f"{stopped[0]} {found[stopped[0]].state}", attempts)

@@ -17,10 +17,21 @@ using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kReadsAMesh =
-    "#include \"formats/mesh_file.h\"\n#include <cstdio>\n"
-    "int main(int, char** argv) {\n"
-    "    std::printf(\"%zu\", rt::readMesh(argv[1]).mesh.triangles.size());\n}\n";
+/// Needs all that the library is linked with: prints the triangles of a mesh, the PNG of a pixel up to its
+/// "PNG", and the width of a Radiance HDR picture.
+constexpr const char* kUsesTheFormats = R"(#include "formats/image_hdr.h"
+#include "formats/image_png.h"
+#include "formats/mesh_file.h"
+#include <cstdio>
+#include <string>
+int main(int, char** argv) {
+    const auto png = rt::encodePng(rt::imageOfPixels(1, 1, "BGR", [](auto...) { return 0.5F; }));
+    const std::string hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + std::string(8, 'x');
+    const auto width = rt::decodeHdr(std::as_bytes(std::span(hdr)), "hdr").width;
+    std::printf("%zu %.3s %u", rt::readMesh(argv[1]).mesh.triangles.size(),
+                reinterpret_cast<const char*>(png.data()) + 1, width);
+}
+)";
 
 class Installed : public testing::Test {
 protected:
@@ -65,24 +76,38 @@ TEST_F(Installed, AProjectOutsideOfTheTreeMakesPictures) {
     EXPECT_TRUE(std::filesystem::exists(folder_.file("build/view.exr")));
 }
 
+TEST_F(Installed, TheTurntableIsPlannedMadeAndConfigured) {
+    const std::string turntable = prefix_ + "/share/rt-tools/turntable";
+    const CommandResult planned = expectSuccess({prefix_ + "/bin/rt-plan", turntable + "/turntable.plan.json",
+                                                 "--tools", prefix_ + "/bin", "--dry-run"});
+    EXPECT_THAT(planned.out, HasSubstr("merge-around-0012"));
+    std::filesystem::copy(prefix_ + "/share/rt-tools", folder_.file("."),
+                          std::filesystem::copy_options::recursive);
+    expectSuccess({"/usr/bin/make", "-C", folder_.file("turntable"), "RT_TOOLS_DIR=" + prefix_ + "/bin",
+                   "RT_DEVICES=software", "gem.rtatlas"});
+    expectSuccess({CMAKE_PATH, "-G", "Ninja", "-S", turntable, "-B", folder_.file("build"),
+                   "-DCMAKE_PREFIX_PATH=" + prefix_});
+    expectSuccess({CMAKE_PATH, "--build", folder_.file("build"), "--target", "gem_atlas"});
+}
+
 TEST_F(Installed, TheFormatsLibraryIsFoundByCMake) {
-    write("main.cpp", kReadsAMesh);
+    write("main.cpp", kUsesTheFormats);
     write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(mine LANGUAGES CXX)\n"
                             "find_package(RtTools REQUIRED COMPONENTS formats)\n"
                             "add_executable(count main.cpp)\n"
                             "target_link_libraries(count PRIVATE RtTools::rt_formats)\n");
     configure();
     build();
-    EXPECT_EQ(expectSuccess({folder_.file("build/count"), importedMesh()}).out, "4");
+    EXPECT_EQ(expectSuccess({folder_.file("build/count"), importedMesh()}).out, "4 PNG 2");
 }
 
 TEST_F(Installed, TheFormatsLibraryIsFoundByPkgConfig) {
-    write("main.cpp", kReadsAMesh);
+    write("main.cpp", kUsesTheFormats);
     expectSuccess({"/bin/sh", "-c",
                    "PKG_CONFIG_PATH=$(dirname $(find " + prefix_ +
                        " -name rt-formats.pc)) && export PKG_CONFIG_PATH && c++ " + folder_.file("main.cpp") +
                        " -o " + folder_.file("count") + " $(pkg-config --cflags --libs rt-formats)"});
-    EXPECT_EQ(expectSuccess({folder_.file("count"), importedMesh()}).out, "4");
+    EXPECT_EQ(expectSuccess({folder_.file("count"), importedMesh()}).out, "4 PNG 2");
 }
 
 TEST_F(Installed, PagesSayWhatHelpSays) {
@@ -120,13 +145,16 @@ TEST_F(Installed, PackagesDependOnWhatTheyUse) {
         if (name.starts_with("librt-formats-dev_")) library = entry.path();
     }
     const std::string depends = expectSuccess({"/usr/bin/dpkg-deb", "-f", tools, "Depends"}).out;
-    for (const char* package : {"libassimp5", "libopenvdb", "libopenexr", "libepoxy0", "libegl1", "libc6"})
+    for (const char* package :
+         {"libassimp5", "libopenvdb", "libopenexr", "libepoxy0", "libegl1", "libc6", "python3"})
         EXPECT_THAT(depends, HasSubstr(package));
-    EXPECT_THAT(expectSuccess({"/usr/bin/dpkg-deb", "-f", library, "Depends"}).out,
-                ContainsRegex("rt-tools .*libopenexr-dev"));
+    const std::string needs = expectSuccess({"/usr/bin/dpkg-deb", "-f", library, "Depends"}).out;
+    for (const char* package : {"rt-tools (=", "libcli11-dev", "libopenexr-dev", "libstb-dev", "zlib1g-dev"})
+        EXPECT_THAT(needs, HasSubstr(package));
     expectSuccess({"/usr/bin/dpkg-deb", "-x", tools, folder_.file("root")});
     EXPECT_THAT(expectSuccess({folder_.file("root/usr/bin/rt-grid"), "--version"}).out,
                 HasSubstr("rt-grid "));
+    EXPECT_THAT(expectSuccess({folder_.file("root/usr/bin/rt-plan"), "--help"}).out, HasSubstr("rt-plan"));
 }
 
 } // namespace

@@ -6,6 +6,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import struct
 import subprocess
 import sys
@@ -22,7 +23,7 @@ ROOT, TOOLS = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 PLAN = ROOT / "pipelines" / "plan"
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(ROOT / "pipelines"))
-from planner import thumbnail  # noqa: E402
+from planner import description, errors, thumbnail, tool_options  # noqa: E402
 
 MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 PATH = [{"frame": 1, "eye": [3, 2, 0], "lookAt": [0, 0.4, 0]}, {"frame": 2, "eye": [0, 2, 3], "lookAt": [0, 0.4, 0]}]
@@ -58,6 +59,8 @@ BY_SCHEMA = [
     (("renders", "around", "resources", "gpus"), 2, "$.renders.around.resources.gpus"),
     (("renders", "around", "passes", 0), "", "$.renders.around.passes[0]"),
     (("comparisons", "same", "limits"), {"rmse": 1}, "$.comparisons.same.limits.rmse"),
+    (("comparisons", "same", "limits", "max-foo"), 1, "$.comparisons.same.limits.max-foo"),
+    (("renders", "around", "frames", 1), 2**32, "$.renders.around.frames[1]"),
     (("comparisons", "same", "limits", "max-rmse"), None, "$.comparisons.same.limits.max-rmse"),
     (("resources", "import", "cores"), 1.5, "$.resources.import.cores"),
 ]
@@ -68,10 +71,28 @@ BY_PLAN = [
     (("renders", "around", "framesPerStep"), 2, "$.renders.around.framesPerStep"),
     (("renders", "whole", "shardBy"), "samples", "$.renders.whole.shardBy"),
     (("renders", "whole", "frames"), REMOVE, "$.renders.whole"),
+    (("renders", "whole", "cameraPath"), REMOVE, "$.renders.whole.frames"),
     (("comparisons", "same", "against"), "still", "$.comparisons.same.against"),
     (("comparisons", "same", "golden"), "g.%04d.exr", "$.comparisons.same"),
     (("comparisons", "same", "render"), "none", "$.comparisons.same.render"),
+    (("comparisons", "same", "against"), "around", "$.comparisons.same.against"),
+    (("renders", "around", "frames"), [1, 999999999], "$.renders.around"),
+    (("renders", "whole"), LOOK | {"cameraPath": "path.json", "frames": [1, 999999999], "framesPerStep": 999999999}, "$.renders.whole"),
+    (("renders", "still", "shards"), 999999999, "$.renders.still"),
+    (("renders", "still", "shards"), 3, "$.renders.still.shards"),
+    (("renders", "still"), LOOK | {"shards": 2, "options": ["--crop", "0,31,64,32"]}, "$.renders.still.shards"),
+    (("renders", "around", "shardBy"), "samples", "$.renders.around.shards"),
+    (("renders", "still"), LOOK | {"shards": 5, "shardBy": "samples", "options": ["--spp=4"]}, "$.renders.still.shards"),
+    (("renders", "still"), LOOK | {"shards": 2, "shardBy": "samples", "options": ["--spp=4", "--target-error", "1"]},
+     "$.renders.still.shardBy"),
 ]
+REFUSED = {
+    ("scenes", "tent"): ["-o", "-o../x.rtmesh", "-vo../x.rtmesh", "--output=../x.rtmesh", "--json", "--depfile", "--if-changed", "-j2",
+                         "--threads", "--list-formats", "--"],
+    ("atlases", "tent"): ["--quality", "--structure=cloud", "--vdb", "--dry-run", "--output"],
+    ("renders", "still"): ["--shard", "--shard=1/2", "--frames", "--size", "--device", "--aov", "--checkpoint", "--tonemap", "-o"],
+    ("comparisons", "same"): ["-o", "--html", "--junit", "--json"],
+}  # fmt: skip
 
 
 def changed(place, value):
@@ -131,6 +152,25 @@ class DescriptionTest(PlanTest):
                 self.assertRegex(said, rf"^plan: error: tent\.plan\.json: {re.escape(path)}: .+\n$")
                 self.assertFalse((self.folder / "tent").exists())
 
+    def test_what_plan_decides_is_no_option(self):
+        for place, words in REFUSED.items():
+            for word in words:
+                with self.subTest(place=place, word=word):
+                    self.describe(changed((*place, "options"), ["--stats", word, "../x"]))
+                    with self.assertRaisesRegex(errors.PlanError, rf": \$\.{'.'.join(place)}\.options\[1\]: -"):
+                        description.read_description(self.folder / "tent.plan.json")
+        self.describe(changed(("renders", "around", "pngOptions"), ["--exposure", "-1", "--output=../x.png"]))
+        self.assertIn("$.renders.around.pngOptions[2]: --output", self.call("tent.plan.json", expect=4))
+        self.describe(changed(("renders", "still", "options"), ["-v", "--eye", "-1,2,3", "--look-at", "-.5,0,0"]))
+        self.call("tent.plan.json")
+
+    def test_options_that_are_refused_are_those_of_the_tools(self):
+        tools = {"scenes": "rt-import", "atlases": "rt-grid", "renders": "rt-trace", "comparisons": "rt-compare"}
+        for kind, tool in tools.items():
+            said = subprocess.run([TOOLS / tool, "--help"], capture_output=True, text=True, check=True).stdout
+            known = set(re.findall(r"(?<![\w-])--?[a-z][a-z-]*", " ".join(re.findall(r"^  (-\S+)", said, re.MULTILINE)).replace(",", " ")))
+            self.assertLessEqual((tool_options.OF_ALL | tool_options.DECIDED[kind]).keys() - {"--"}, known)
+
     def test_schema_is_checked_as_jsonschema_does(self):
         schema = json.loads((ROOT / "pipelines/plan.schema.json").read_text())
         jsonschema.Draft202012Validator.check_schema(schema)
@@ -140,6 +180,19 @@ class DescriptionTest(PlanTest):
             self.assertFalse(validator.is_valid(changed(place, value)), place)
         for place, value, _ in BY_PLAN:
             self.assertTrue(validator.is_valid(changed(place, value)), place)
+
+    def test_limits_are_those_of_rt_compare(self):
+        said = subprocess.run([TOOLS / "rt-compare", "--help"], capture_output=True, text=True, check=True).stdout
+        known = re.findall(r"^  --(\S+) \[NAME=\]X", said, re.MULTILINE)
+        comparisons = json.loads((ROOT / "pipelines/plan.schema.json").read_text())["$defs"]["comparisons"]
+        limits = comparisons["additionalProperties"]["properties"]["limits"]
+        self.assertEqual(limits["propertyNames"]["enum"], known)
+
+    def test_shards_that_rt_trace_takes_are_good(self):
+        for render in ({"shards": 2}, {"shards": 2, "options": ["--crop=0,31,64,33"]},
+                       {"shards": 4, "shardBy": "samples", "options": ["--spp", "4"]}):  # fmt: skip
+            self.describe(changed(("renders", "still"), LOOK | render))
+            self.call("tent.plan.json")
 
     def test_files_that_are_no_json(self):
         self.assertIn("cannot be read", self.call("tent.plan.json", expect=3))
@@ -166,6 +219,13 @@ class StepsTest(PlanTest):
         self.assertEqual(steps["compare-same-0002"]["dependsOn"], ["merge-around-0002", "trace-whole-0001"])
         self.assertIn("trace-whole-0001: 1 gpu, 1 cores", self.call("tent.plan.json"))
         self.assertFalse((self.folder / "tent").exists())
+
+    def test_printing_and_exporting_do_not_go_together(self):
+        self.describe()
+        for printing in ("--json", "--dry-run"):
+            for target in ("--ninja", "--make", "--slurm", "--openjd"):
+                self.assertIn(f"plan: error: {printing} prints", self.call("tent.plan.json", printing, target, "x", expect=2))
+                self.assertFalse((self.folder / "x").exists())
 
     def test_exports_are_the_same_bytes_again(self):
         self.describe()
@@ -258,6 +318,19 @@ class RunTest(PlanTest):
         state = self.states(expect=10)["import-tent"]
         self.assertEqual((state["state"], state["why"]), ("skipped", "rt-import: up to date: tent.rtmesh"))
 
+    def test_a_step_whose_output_is_gone_is_not_done(self):
+        self.describe()
+        self.stand_in(": >tent.rtmesh\n")
+        self.call("tent.plan.json", "--ninja", "n")
+        self.call("step", "tent", "import-tent")
+        (self.folder / "tent/tent.rtmesh").unlink()
+        state = self.states(expect=10)["import-tent"]
+        self.assertEqual((state["state"], state["why"]), ("waiting", "tent.rtmesh is gone: run the step again"))
+        self.write("tent/slurm-jobs.tsv", "")
+        self.write("squeue", "#!/bin/sh\n", 0o755)
+        self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
+        state = self.states(expect=1)["import-tent"]
+        self.assertEqual(state["state"], "blocked")
 
     def test_a_golden_that_is_missing_fails_until_it_is_there(self):
         comparison = {"gate": {"render": "still", "golden": "golden/still.exr"}}
@@ -290,6 +363,23 @@ class RunTest(PlanTest):
         self.assertEqual(second.wait(timeout=20), 0)
         state = self.states(expect=10)["import-tent"]
         self.assertEqual([attempt["why"] for attempt in state["attempts"]], ["cut off", ""])
+
+    def test_an_interrupted_run_ends_with_one_line_and_leaves_nothing_running(self):
+        self.describe()
+        self.stand_in("echo $$ >>pids; exec sleep 60\n")
+        for number in (signal.SIGINT, signal.SIGTERM):
+            pids = self.folder / "tent/pids"
+            pids.unlink(missing_ok=True)
+            run = subprocess.Popen([sys.executable, PLAN, "run", "tent.plan.json"], cwd=self.folder, env=self.environment,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)  # fmt: skip
+            self.wait_for(lambda: pids.exists() and pids.read_text().endswith("\n"))
+            run.send_signal(number)
+            out, said = run.communicate(timeout=20)
+            self.assertEqual(run.returncode, 128 + number, out + said)
+            self.assertRegex(said, r"^plan: error: interrupted.*\n$")
+            self.assertNotIn("Traceback", out)
+            self.assertFalse(any(pathlib.Path("/proc", pid).exists() for pid in pids.read_text().split()))
+            self.assertEqual(self.states(expect=1)["import-tent"]["why"], "ended by SIGTERM")
 
     def wait_for(self, condition):
         end = time.monotonic() + 20
