@@ -247,6 +247,11 @@ TEST_F(ImportCli, AnImageThatMemoryDoesNotSufficeForIsNamed) {
     EXPECT_EQ(folder_.entryCount(), 3u);
 }
 
+TEST_F(ImportCli, APlyFileCutInItsHeaderIsRefusedAtOnce) {
+    expectRefusal(write("m.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), 4,
+                  "its header has no line 'end_header'");
+}
+
 TEST_F(ImportCli, VersionNamesTheLibraries) {
     const CommandResult result = run({"--version"});
     EXPECT_EQ(result.exitCode, 0);
