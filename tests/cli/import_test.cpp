@@ -252,6 +252,18 @@ TEST_F(ImportCli, APlyFileCutInItsHeaderIsRefusedAtOnce) {
                   "its header has no line 'end_header'");
 }
 
+TEST_F(ImportCli, AModelThatMemoryDoesNotSufficeForIsALimit) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer needs the address space";
+#endif
+    const std::string model = write("m.ply", "ply\n");
+    std::filesystem::resize_file(model, 64u << 20); // a hole
+    const CommandResult result = run({model, "-o", folder_.file("out.rtmesh"), "--max-memory", "40M"});
+    EXPECT_EQ(result.exitCode, 5);
+    EXPECT_THAT(result.err,
+                HasSubstr("m.ply: memory does not suffice to map its 67108864 bytes; raise --max-memory"));
+}
+
 TEST_F(ImportCli, VersionNamesTheLibraries) {
     const CommandResult result = run({"--version"});
     EXPECT_EQ(result.exitCode, 0);
