@@ -264,6 +264,20 @@ TEST_F(ImportCli, AModelThatMemoryDoesNotSufficeForIsALimit) {
                 HasSubstr("m.ply: memory does not suffice to map its 67108864 bytes; raise --max-memory"));
 }
 
+// A width and a height that its bytes cannot hold need no memory to be seen through.
+TEST_F(ImportCli, ADamagedPngThatClaimsManyPixelsIsAWarning) {
+    write("m.mtl", "newmtl m\nmap_Kd huge.png\n");
+    const std::string model = write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+    const std::string header("\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x40\0\0\0\x40\0\x08\x06\0\0\0\0\0\0\0", 33);
+    write("huge.png", header + std::string("\0\0\0\x04IDAT\x78\x9c\x01\x02\0\0\0\0", 16) +
+                          std::string("\0\0\0\0IEND\0\0\0\0", 12));
+    const CommandResult result = run({model, "-o", folder_.file("out.rtmesh"), "--max-memory", "600M"});
+    EXPECT_EQ(result.exitCode, 0);
+    EXPECT_THAT(result.err, HasSubstr("huge.png"));
+    EXPECT_THAT(result.err,
+                HasSubstr("cannot be decoded: a PNG of 61 bytes, cut short, damaged or of a rare kind"));
+}
+
 TEST_F(ImportCli, VersionNamesTheLibraries) {
     const CommandResult result = run({"--version"});
     EXPECT_EQ(result.exitCode, 0);
