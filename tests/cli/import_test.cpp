@@ -278,6 +278,21 @@ TEST_F(ImportCli, ADamagedPngThatClaimsManyPixelsIsAWarning) {
                 HasSubstr("cannot be decoded: a PNG of 61 bytes, cut short, damaged or of a rare kind"));
 }
 
+TEST_F(ImportCli, WarningsNameTheirFileOnce) {
+    const std::string other = write("b.obj", kTriangle);
+    const std::string model = write("a.obj", std::string("usemtl gone\n") + kTriangle);
+    const std::string scene = write("a.scene.json", R"({"background":[1,0,0],"models":[{"file":"b.obj"}]})"),
+                      second = write("b.scene.json", R"({"background":[1,0,0]})");
+    const std::string out = folder_.file("x.rtmesh"), begin = "rt-import: warning: ";
+    EXPECT_THAT(run({other, model, "-o", out}).err, HasSubstr(begin + model + ": no material library"));
+    EXPECT_THAT(run({model, "-o", out}).err, HasSubstr(begin + model + ": no material library"));
+    EXPECT_THAT(run({scene, second, "-o", out}).err,
+                HasSubstr(begin + second + ": /background: another background counts"));
+    EXPECT_THAT(
+        run({scene, second, "-o", out, "--strict"}).err,
+        HasSubstr("rt-import: error: " + second + ": /background: another background counts; --strict"));
+}
+
 TEST_F(ImportCli, VersionNamesTheLibraries) {
     const CommandResult result = run({"--version"});
     EXPECT_EQ(result.exitCode, 0);
