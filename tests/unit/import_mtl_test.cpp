@@ -143,6 +143,9 @@ TEST_F(MtlFiles, BlanksAndQuotesAroundTheNameOfAnImageAreNoPartOfIt) {
     }
     EXPECT_THAT(importWith("newmtl m\nmap_Kd\nKd 1 0 0\n", {"m"}).report.warnings,
                 ElementsAre(HasSubstr("line 2: 'map_Kd' names no image")));
+    const ImportedModel model = importWith("newmtl m\nmap_Kd -s\nKd 1 0 0\n", {"m"});
+    EXPECT_THAT(model.report.warnings, ElementsAre(HasSubstr("line 2: 'map_Kd -s' names no image")));
+    EXPECT_EQ(model.mesh.materials[0].baseColor, glm::vec4(1, 0, 0, 1));
 }
 
 } // namespace

@@ -123,7 +123,7 @@ TextureStatement parseTexture(std::string_view text) {
     while (text.starts_with('-')) {
         std::string_view rest = text;
         const std::string_view name = takeWord(rest);
-        if (rest.empty()) break; // a file's name, then
+        if (rest.empty()) break;
         const auto option = std::find_if(kOptions.begin(), kOptions.end(),
                                          [&](const TextureOption& o) { return o.name == name; });
         if (option == kOptions.end()) {
@@ -143,6 +143,8 @@ TextureStatement parseTexture(std::string_view text) {
     const std::string_view around = " \t\r\"'";
     const std::size_t first = std::min(text.find_first_not_of(around), text.size());
     result.name = text.substr(first, text.find_last_not_of(around) + 1 - first);
+    if (result.name.starts_with('-'))
+        result.name = {}; // an option to Assimp, which would read on in the next line
     return result;
 }
 
