@@ -276,6 +276,12 @@ SharedSpan<std::byte> readFile(const std::string& path, const StreamRule& rule) 
     const auto size = static_cast<std::size_t>(info.st_size);
     if (size == 0) return {};
     void* address = mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file.get(), 0);
+    if (address == MAP_FAILED && errno == ENOMEM)
+        throw Error(
+            ErrorKind::LimitExceeded,
+            fmt::format("{}: memory does not suffice to map its {} bytes; raise --max-memory, where the "
+                        "tool has it, or the system's limit",
+                        path, size));
     if (address == MAP_FAILED) throwSystem(path, "map");
     std::shared_ptr<const void> owner(address, [size](void* p) { munmap(p, size); });
     return {std::span(static_cast<const std::byte*>(address), size), std::move(owner)};

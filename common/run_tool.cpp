@@ -64,9 +64,9 @@ int runTool(const char* name, int argc, char** argv, int (*body)(int argc, const
         logError(oneLine(error.what()));
         return static_cast<int>(error.kind());
     } catch (const std::bad_alloc&) {
-        logError("out of memory; use a smaller scene, a lower --resolution, a higher --max-memory or a "
-                 "machine with more "
-                 "memory");
+        logError(
+            "out of memory; use smaller inputs, a higher limit on memory (--max-memory, where the tool has "
+            "it) or a machine with more memory");
         return static_cast<int>(ErrorKind::LimitExceeded);
     } catch (const std::exception& error) {
         logError("internal error: " + oneLine(error.what()));

@@ -247,6 +247,52 @@ TEST_F(ImportCli, AnImageThatMemoryDoesNotSufficeForIsNamed) {
     EXPECT_EQ(folder_.entryCount(), 3u);
 }
 
+TEST_F(ImportCli, APlyFileCutInItsHeaderIsRefusedAtOnce) {
+    expectRefusal(write("m.ply", "ply\nformat ascii 1.0\nelement vertex 3\n"), 4,
+                  "its header has no line 'end_header'");
+}
+
+TEST_F(ImportCli, AModelThatMemoryDoesNotSufficeForIsALimit) {
+#ifdef __SANITIZE_ADDRESS__
+    GTEST_SKIP() << "the sanitizer needs the address space";
+#endif
+    const std::string model = write("m.ply", "ply\n");
+    std::filesystem::resize_file(model, 64u << 20); // a hole
+    const CommandResult result = run({model, "-o", folder_.file("out.rtmesh"), "--max-memory", "40M"});
+    EXPECT_EQ(result.exitCode, 5);
+    EXPECT_THAT(result.err,
+                HasSubstr("m.ply: memory does not suffice to map its 67108864 bytes; raise --max-memory"));
+}
+
+// A width and a height that its bytes cannot hold need no memory to be seen through.
+TEST_F(ImportCli, ADamagedPngThatClaimsManyPixelsIsAWarning) {
+    write("m.mtl", "newmtl m\nmap_Kd huge.png\n");
+    const std::string model = write("m.obj", std::string("mtllib m.mtl\nusemtl m\n") + kTriangle);
+    const std::string header("\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x40\0\0\0\x40\0\x08\x06\0\0\0\0\0\0\0", 33);
+    write("huge.png", header + std::string("\0\0\0\x04IDAT\x78\x9c\x01\x02\0\0\0\0", 16) +
+                          std::string("\0\0\0\0IEND\0\0\0\0", 12));
+    const CommandResult result = run({model, "-o", folder_.file("out.rtmesh"), "--max-memory", "600M"});
+    EXPECT_EQ(result.exitCode, 0);
+    EXPECT_THAT(result.err, HasSubstr("huge.png"));
+    EXPECT_THAT(result.err,
+                HasSubstr("cannot be decoded: a PNG of 61 bytes, cut short, damaged or of a rare kind"));
+}
+
+TEST_F(ImportCli, WarningsNameTheirFileOnce) {
+    const std::string other = write("b.obj", kTriangle);
+    const std::string model = write("a.obj", std::string("usemtl gone\n") + kTriangle);
+    const std::string scene = write("a.scene.json", R"({"background":[1,0,0],"models":[{"file":"b.obj"}]})"),
+                      second = write("b.scene.json", R"({"background":[1,0,0]})");
+    const std::string out = folder_.file("x.rtmesh"), begin = "rt-import: warning: ";
+    EXPECT_THAT(run({other, model, "-o", out}).err, HasSubstr(begin + model + ": no material library"));
+    EXPECT_THAT(run({model, "-o", out}).err, HasSubstr(begin + model + ": no material library"));
+    EXPECT_THAT(run({scene, second, "-o", out}).err,
+                HasSubstr(begin + second + ": /background: another background counts"));
+    EXPECT_THAT(
+        run({scene, second, "-o", out, "--strict"}).err,
+        HasSubstr("rt-import: error: " + second + ": /background: another background counts; --strict"));
+}
+
 TEST_F(ImportCli, VersionNamesTheLibraries) {
     const CommandResult result = run({"--version"});
     EXPECT_EQ(result.exitCode, 0);

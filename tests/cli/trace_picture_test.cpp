@@ -311,6 +311,20 @@ TEST_F(PictureCommand, CamerasOfTheSceneAreListedAndTaken) {
     expectUsage({"--camera", "back"}, "front, plan view");
 }
 
+TEST_F(PictureCommand, CamerasThatAreNotUsedAreNamed) {
+    const std::string note =
+        "all of the scene is framed; --camera takes one of its cameras: front, plan view\n";
+    const std::vector<std::string> picture{"-o", out.file("note.exr"), "--size", "8"};
+    const auto errOf = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), picture.begin(), picture.end());
+        return trace(more).err;
+    };
+    EXPECT_THAT(errOf({}), HasSubstr(note));
+    for (const std::vector<std::string>& more :
+         {std::vector<std::string>{"-q"}, {"--camera", "front"}, {"--eye", "0,0,7"}})
+        EXPECT_THAT(errOf(more), testing::Not(HasSubstr("is framed"))) << more[0];
+}
+
 TEST_F(PictureCommand, ExplainsWhatIsCompiledAndUploaded) {
     const CommandResult result = trace({"--explain", "-q"});
     EXPECT_EQ(result.exitCode, 0) << result.err;

@@ -58,6 +58,18 @@ bool isMemoryLeft(std::size_t pixelCount) {
     return room != nullptr;
 }
 
+// Of a PNG whose bytes cannot be unpacked to the pixels that it claims, for which no memory need be had.
+bool claimsTooMuch(std::span<const std::byte> bytes, std::uint64_t width, std::uint64_t height) {
+    constexpr std::size_t kDepthAt = 24, kColorTypeAt = 25;
+    constexpr std::array<unsigned, 7> kSamples{1, 0, 3, 1, 2, 0, 4}; // of a pixel, by colour type
+    constexpr std::uint64_t kMostPerByte =
+        1032; // of what deflate packs. Source: RFC 1951, 258 bytes in 2 bits
+    if (!startsWith(bytes, "\x89PNG") || bytes.size() <= kColorTypeAt) return false;
+    const auto type = std::min(std::to_integer<std::size_t>(bytes[kColorTypeAt]), kSamples.size() - 1);
+    const std::uint64_t bits = width * kSamples[type] * std::to_integer<unsigned>(bytes[kDepthAt]);
+    return height * (1 + bits / 8) / kMostPerByte > bytes.size();
+}
+
 DecodedImage decodeBytes(std::span<const std::byte> bytes, const std::string& name,
                          std::vector<std::uint32_t>& pixels) {
     if (bytes.empty() || bytes.size() > INT_MAX)
@@ -67,6 +79,8 @@ DecodedImage decodeBytes(std::span<const std::byte> bytes, const std::string& na
     int width = 0, height = 0, channels = 0;
     if (!stbi_info_from_memory(data, size, &width, &height, &channels)) return {.fault = faultOf(bytes)};
     requireImageRoom(width, height, name, pixels); // before the pixels are allocated
+    if (claimsTooMuch(bytes, static_cast<std::uint64_t>(width), static_cast<std::uint64_t>(height)))
+        return {.fault = faultOf(bytes)};
     const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> rgba(
         stbi_load_from_memory(data, size, &width, &height, &channels, 4), &stbi_image_free);
     const std::size_t first = pixels.size();

@@ -85,19 +85,25 @@ void countRepeats(std::vector<std::string>& warnings) {
     warnings = std::move(distinct);
 }
 
-void requireFlawless(const ImportReport& report, const std::string& path) {
+void requireFlawless(const ImportReport& report, const SceneSources& sources) {
     std::vector<std::string> faults = report.ledger.lines();
     faults.insert(faults.end(), report.warnings.begin(), report.warnings.end());
     if (faults.empty()) return;
     const std::string more = faults.size() > 1 ? fmt::format(" (and {} more)", faults.size() - 1) : "";
-    throw Error(ErrorKind::InvalidContent,
-                fmt::format("{}: {}{}; --strict takes only what needs no repair", path, faults[0], more));
+    throw Error(ErrorKind::InvalidContent, fmt::format("{}{}; --strict takes only what needs no repair",
+                                                       withName(sources, faults[0]), more));
 }
 
 } // namespace
 
 std::string nameOf(const SceneSources& sources) {
     return fmt::format("{}", fmt::join(sources.inputs, ", "));
+}
+
+std::string withName(const SceneSources& sources, const std::string& warning) {
+    for (const std::string& input : sources.inputs)
+        if (warning.starts_with(input + ": ")) return warning;
+    return nameOf(sources) + ": " + warning;
 }
 
 ImportedModel importScene(const SceneSources& sources, const ImportSettings& settings, StageTimer& timer) {
@@ -125,7 +131,7 @@ ImportedModel importScene(const SceneSources& sources, const ImportSettings& set
     timer.begin("merge");
     skipUnneeded(parts, report.leftOut);
     countRepeats(report.warnings);
-    if (settings.strict) requireFlawless(report, name);
+    if (settings.strict) requireFlawless(report, sources);
     Mesh& mesh = result.mesh;
     mesh = mergeCorners(parts.soup, surface.weld, surface.cornerNormals);
     mesh.triangleMaterial = std::move(parts.soup.triangleMaterial);

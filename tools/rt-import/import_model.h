@@ -33,6 +33,8 @@ struct SceneSources {
 
 /// "a.obj, b.glb".
 std::string nameOf(const SceneSources& sources);
+/// A warning behind that name, unless it begins with one of the inputs already.
+std::string withName(const SceneSources& sources, const std::string& warning);
 
 /// Reads all of the inputs, in their order, into one mesh. Throws Error{FileAccess, InvalidContent or
 /// LimitExceeded}.

@@ -16,16 +16,16 @@
 namespace rt {
 namespace {
 
-void logSummary(const std::string& path, const ImportedModel& model, const StageTimer& timer) {
+void logSummary(const SceneSources& sources, const ImportedModel& model, const StageTimer& timer) {
     const ImportReport& report = model.report;
-    for (const std::string& line : report.ledger.lines()) logWarning(path + ": " + line);
-    for (const std::string& warning : report.warnings) logWarning(path + ": " + warning);
+    for (const std::string& line : report.ledger.lines()) logWarning(withName(sources, line));
+    for (const std::string& warning : report.warnings) logWarning(withName(sources, warning));
     logStages(timer);
     for (const std::string& line : detailLines(report)) logDetail(line);
     const Mesh& mesh = model.mesh;
     logInfo(fmt::format("{}: {} triangles, {} vertices, {} materials, {} images, {} bytes, {} left out, "
                         "{:.0f} ms",
-                        path, mesh.triangles.size(), mesh.positions.size(), mesh.materials.size(),
+                        nameOf(sources), mesh.triangles.size(), mesh.positions.size(), mesh.materials.size(),
                         mesh.images.size(), byteCount(mesh), byteCount(report.leftOut), timer.totalMs()));
 }
 
@@ -34,7 +34,7 @@ int importForParent(ImportOptions& options, GuardProcess& guard) {
     StageTimer timer;
     options.settings.progress = [&](double part) { guard.setProgress(part); };
     const ImportedModel model = importScene(options.sources, options.settings, timer);
-    logSummary(nameOf(options.sources), model, timer);
+    logSummary(options.sources, model, timer);
     guard.send(model.mesh, toText({model.filesAsked,
                                    toJson(model.report, model.mesh, timer)
                                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)}));

@@ -5,8 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 namespace rt {
 namespace {
@@ -27,11 +29,12 @@ std::vector<std::string_view> wordsOf(std::string_view line) {
     return words;
 }
 
-bool isNumber(std::string_view word) {
+std::optional<double> numberOf(std::string_view word) {
     if (word.starts_with('+')) word.remove_prefix(1);
     double number = 0.0;
     const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), number);
-    return status == std::errc() && end == word.data() + word.size() && std::isfinite(number);
+    const bool sound = status == std::errc() && end == word.data() + word.size() && std::isfinite(number);
+    return sound ? std::optional(number) : std::nullopt;
 }
 
 template <std::size_t N>
@@ -39,21 +42,26 @@ bool isOneOf(std::string_view word, const std::array<std::string_view, N>& list)
     return std::find(list.begin(), list.end(), word) != list.end();
 }
 
-// What Assimp, which looks at the first letters only, reads as a number or a colour.
-bool takesNumbers(std::string_view key) {
-    constexpr std::array<std::string_view, 2> kOthers{"norm", "disp"};
-    return std::string_view("kKTdnNPai").find(key.front()) != std::string_view::npos &&
-           !isOneOf(key, kOthers) && !key.starts_with("new");
+std::string lower(std::string_view word) {
+    std::string result(word);
+    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
 }
 
-// Empty for a statement that makes no sense.
+// Takes the first word off a text.
+std::string_view takeWord(std::string_view& text) {
+    const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
+    text = trimmed(text.substr(word.size()));
+    return word;
+}
+
+constexpr std::array<std::string_view, 9> kColors{"Ka", "Kd", "Ks", "Ke", "ka", "kd", "ks", "ke", "Tf"};
+constexpr std::array<std::string_view, 9> kNumbers{"illum", "Tr", "d", "Ns", "Ni", "ns", "ni", "Pr", "Pm"};
+
+// Empty for a statement of one of those that makes no sense.
 std::string mended(std::string_view line) {
-    constexpr std::array<std::string_view, 10> kColors{"Ka", "Kd", "Ks", "Ke", "ka",
-                                                       "kd", "ks", "ke", "Tf", "Ps"};
-    constexpr std::array<std::string_view, 13> kNumbers{"illum", "Tr", "d",  "Ns",  "Ni",    "ns",    "ni",
-                                                        "Pr",    "Pm", "Pc", "Pcr", "aniso", "anisor"};
     const std::vector<std::string_view> words = wordsOf(line);
-    const auto numbers = static_cast<std::size_t>(std::find_if_not(words.begin() + 1, words.end(), isNumber) -
+    const auto numbers = static_cast<std::size_t>(std::find_if_not(words.begin() + 1, words.end(), numberOf) -
                                                   words.begin() - 1);
     if (isOneOf(words[0], kNumbers) && numbers >= 1) return std::string(line);
     if (!isOneOf(words[0], kColors) || numbers < 1) return "";
@@ -62,34 +70,242 @@ std::string mended(std::string_view line) {
     return numbers == 1 && isAll ? fmt::format("{0} {1} {1} {1}", words[0], words[1]) : "";
 }
 
+// Whether all of the numbers behind a statement's key are this one, and there is one at least.
+bool isAll(std::string_view line, double value) {
+    const std::vector<std::string_view> words = wordsOf(line);
+    std::size_t same = 1;
+    while (same < words.size() && numberOf(words[same]) == value) ++same;
+    return same > 1 && (same == words.size() || words[same].starts_with('#'));
+}
+
+// An option of a texture: what changes nothing. Words are one, numbers up to `mostNumbers`.
+struct TextureOption {
+    std::string_view name;
+    std::size_t mostNumbers;
+    double first, others;  // numbers
+    std::string_view word; // or a word, of which "" stands for any
+};
+constexpr std::array<TextureOption, 12> kOptions{{{"-s", 3, 1.0, 1.0, ""},
+                                                  {"-o", 3, 0.0, 0.0, ""},
+                                                  {"-t", 3, 0.0, 0.0, ""},
+                                                  {"-mm", 2, 0.0, 1.0, ""},
+                                                  {"-boost", 1, 0.0, 0.0, ""},
+                                                  {"-bm", 1, 1.0, 1.0, ""},
+                                                  {"-clamp", 0, 0.0, 0.0, "off"},
+                                                  {"-blendu", 0, 0.0, 0.0, "on"},
+                                                  {"-blendv", 0, 0.0, 0.0, "on"},
+                                                  {"-cc", 0, 0.0, 0.0, "off"},
+                                                  {"-imfchan", 0, 0.0, 0.0, "l"},
+                                                  {"-texres", 0, 0.0, 0.0, ""}}};
+
+// Takes an option's values off the text; true if they change something.
+bool takeValues(const TextureOption& option, std::string_view& text) {
+    if (option.mostNumbers == 0) return takeWord(text) != option.word && !option.word.empty();
+    bool changes = false;
+    for (std::size_t i = 0; i < option.mostNumbers; ++i) {
+        std::string_view rest = text;
+        const auto number = numberOf(takeWord(rest));
+        if (!number) return changes || i == 0;
+        changes |= *number != (i == 0 ? option.first : option.others);
+        text = rest;
+    }
+    return changes;
+}
+
+struct TextureStatement {
+    std::string kept;                   // options that Assimp reads
+    std::string_view name;              // without blanks or quotes around it
+    std::vector<std::string_view> lost; // options that change something and are not among those
+};
+
+TextureStatement parseTexture(std::string_view text) {
+    TextureStatement result;
+    while (text.starts_with('-')) {
+        std::string_view rest = text;
+        const std::string_view name = takeWord(rest);
+        if (rest.empty()) break;
+        const auto option = std::find_if(kOptions.begin(), kOptions.end(),
+                                         [&](const TextureOption& o) { return o.name == name; });
+        if (option == kOptions.end()) {
+            result.lost.push_back(name); // of who knows how many values
+            text = wordsOf(rest).back();
+            break;
+        }
+        const std::string_view values = rest;
+        const bool changes = takeValues(*option, rest);
+        const std::string_view taken = trimmed(values.substr(0, values.size() - rest.size()));
+        if (name == "-clamp" ? taken == "on" : name == "-bm" && !taken.empty())
+            result.kept += fmt::format("{} {} ", name, taken);
+        else if (changes)
+            result.lost.push_back(name);
+        text = rest;
+    }
+    const std::string_view around = " \t\r\"'";
+    const std::size_t first = std::min(text.find_first_not_of(around), text.size());
+    result.name = text.substr(first, text.find_last_not_of(around) + 1 - first);
+    if (result.name.starts_with('-'))
+        result.name = {}; // an option to Assimp, which would read on in the next line
+    return result;
+}
+
+class Mender {
+public:
+    Mender(const std::string& path, std::set<std::string>& names, std::vector<std::string>& warnings)
+        : path_(path), names_(names), warnings_(warnings) {}
+
+    // What Assimp shall read in place of a line.
+    std::string mend(std::string_view raw) {
+        ++number_;
+        line_ = trimmed(raw);
+        std::string_view rest = line_;
+        const std::string_view key = takeWord(rest);
+        if (key.empty() || key.starts_with('#')) return "";
+        if (key == "newmtl") {
+            endMaterial();
+            hasMaterial_ = true;
+            names_.insert(rest.empty() ? AI_DEFAULT_MATERIAL_NAME : std::string(rest));
+            return std::string(raw);
+        }
+        if (isOneOf(key, kColors) || isOneOf(key, kNumbers)) return mendNumbers(key);
+        if (isOneOf(lower(key), kTextures)) return mendTexture(lower(key), rest);
+        drop(key, rest);
+        return "";
+    }
+
+    void finish() {
+        endMaterial();
+        for (const Loss& loss : losses_)
+            warnings_.push_back(
+                loss.count == 1 ? loss.first : fmt::format("{} ({} of this kind)", loss.first, loss.count));
+    }
+
+private:
+    static constexpr std::array<std::string_view, 15> kTextures{
+        "map_kd", "map_ks", "map_ns", "map_d",    "map_ke", "map_emissive", "map_bump", "bump",
+        "map_kn", "norm",   "disp",   "map_disp", "map_pr", "map_pm",       "map_ps"};
+
+    // What else a material says decides whether a statement changes anything.
+    struct Facts {
+        bool always = true, transmits = false, refracts = false, coated = false, brushed = false;
+        bool ambientDiffers = false;
+        std::string baseName;
+    };
+    struct Doubt {
+        bool Facts::*matters;
+        std::string kind, warning;
+    };
+    struct Loss {
+        std::string kind, first;
+        std::size_t count;
+    };
+
+    std::string warning(std::string_view what) const {
+        constexpr std::size_t kMostShown = 60;
+        return fmt::format("{}: line {}: '{}' {}", path_, number_, line_.substr(0, kMostShown), what);
+    }
+    void doubt(bool Facts::*matters, std::string_view kind, std::string_view what) {
+        doubts_.push_back({matters, std::string(kind), warning(what)});
+    }
+
+    std::string mendNumbers(std::string_view key) {
+        const std::string statement = hasMaterial_ ? mended(line_) : "";
+        if (statement.empty()) {
+            warnings_.push_back(warning(hasMaterial_ ? "has not the numbers that it needs; it is left out"
+                                                     : "stands before the first material; it is left out"));
+            return "";
+        }
+        const double value = *numberOf(wordsOf(line_)[1]);
+        facts_.transmits |= (key == "d" && value < 1.0) || (key == "Tr" && value > 0.0);
+        facts_.refracts |= facts_.transmits || key == "Pr" || key == "Pm" ||
+                           (key == "illum" && (value == 5.0 || value == 7.0));
+        if (key == "Tf" && !isAll(statement, 1.0))
+            doubt(&Facts::transmits, key, "has no place in the model; it is left out");
+        if (lower(key) == "ni" && value < 1.0)
+            doubt(&Facts::refracts, key, "is below 1, the least index; it is left out");
+        return statement;
+    }
+
+    std::string mendTexture(const std::string& key, std::string_view rest) {
+        if (!hasMaterial_) {
+            warnings_.push_back(warning("stands before the first material; it is left out"));
+            return "";
+        }
+        const TextureStatement texture = parseTexture(rest);
+        for (const std::string_view option : texture.lost) {
+            if (key == "map_d" && option == "-imfchan" && rest.find("-imfchan m ") != rest.npos) continue;
+            doubt(&Facts::always, fmt::format("{} {}", key, option),
+                  fmt::format("has an option {}, which has no place in the model and is left out", option));
+        }
+        if (texture.name.empty()) {
+            doubt(&Facts::always, key, "names no image; it is left out");
+            return "";
+        }
+        if (key == "map_kd") facts_.baseName = texture.name;
+        return fmt::format("{} {}{}", key, texture.kept, texture.name);
+    }
+
+    // A statement that has no place in the model, if it changes anything.
+    void drop(std::string_view key, std::string_view rest) {
+        constexpr std::array<std::string_view, 2> kMeaningless{"sharpness", "map_aat"}; // nothing reflects it
+        constexpr std::array<std::string_view, 5> kUnusual{"Ps", "Pc", "Pcr", "aniso", "anisor"};
+        constexpr std::array<std::string_view, 4> kNoPlace{"refl", "decal", "map_tr", "map_opacity"};
+        const std::string name = lower(key);
+        if (isOneOf(key, kMeaningless) || (isOneOf(key, kUnusual) && isAll(line_, 0.0))) return;
+        bool Facts::*matters = &Facts::always;
+        if (key == "Pc") facts_.coated = true;
+        if (key == "aniso") facts_.brushed = true;
+        if (key == "Pcr") matters = &Facts::coated;
+        if (key == "anisor") matters = &Facts::brushed;
+        if (name == "map_ka") {
+            matters = &Facts::ambientDiffers;
+            ambientName_ = parseTexture(rest).name;
+        }
+        const bool known = isOneOf(key, kUnusual) || isOneOf(name, kNoPlace) || name == "map_ka";
+        doubt(matters, key,
+              known ? "has no place in the model; it is left out"
+                    : "is no statement that is known; it is left out");
+    }
+
+    void endMaterial() {
+        facts_.ambientDiffers = ambientName_ != facts_.baseName;
+        for (Doubt& doubted : doubts_) {
+            if (!(facts_.*doubted.matters)) continue;
+            const auto known = std::find_if(losses_.begin(), losses_.end(),
+                                            [&](const Loss& loss) { return loss.kind == doubted.kind; });
+            if (known == losses_.end())
+                losses_.push_back({std::move(doubted.kind), std::move(doubted.warning), 1});
+            else
+                ++known->count;
+        }
+        doubts_.clear();
+        ambientName_.clear();
+        facts_ = {};
+    }
+
+    const std::string& path_;
+    std::set<std::string>& names_;
+    std::vector<std::string>& warnings_;
+    std::size_t number_ = 0;
+    std::string_view line_;
+    bool hasMaterial_ = false;
+    Facts facts_;
+    std::string ambientName_;
+    std::vector<Doubt> doubts_;
+    std::vector<Loss> losses_;
+};
+
 } // namespace
 
 std::string mendMtl(std::string_view text, const std::string& path, std::set<std::string>& names,
                     std::vector<std::string>& warnings) {
-    constexpr std::size_t kMostShown = 60;
+    Mender mender(path, names, warnings);
     std::string result;
-    bool hasMaterial = false;
-    for (std::size_t at = 0, number = 1; at < text.size(); ++number) {
+    for (std::size_t at = 0; at < text.size();) {
         const std::size_t end = std::min(text.find('\n', at), text.size());
-        const std::string_view raw = text.substr(at, end - at), line = trimmed(raw);
+        result += mender.mend(text.substr(at, end - at)) + '\n';
         at = end + 1;
-        const std::string_view key = line.substr(0, line.find_first_of(kBlanks));
-        if (key == "newmtl") {
-            hasMaterial = true;
-            const std::string_view name = trimmed(line.substr(key.size()));
-            names.insert(name.empty() ? AI_DEFAULT_MATERIAL_NAME : std::string(name));
-        }
-        if (key.empty() || !takesNumbers(key)) {
-            result += std::string(raw) + '\n';
-            continue;
-        }
-        const std::string statement = hasMaterial ? mended(line) : "";
-        if (statement.empty())
-            warnings.push_back(fmt::format(
-                "{}: line {}: '{}' {}; it is left out", path, number, line.substr(0, kMostShown),
-                hasMaterial ? "has not the numbers that it needs" : "stands before the first material"));
-        result += statement + '\n';
     }
+    mender.finish();
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include "common/binary_io.h"
 #include "common/error.h"
 #include "tools/rt-import/check_collada.h"
+#include "tools/rt-import/check_ply.h"
 #include "tools/rt-import/correct_3ds.h"
 #include "tools/rt-import/cut_polygons.h"
 #include "tools/rt-import/import_model.h"
@@ -46,7 +47,9 @@ void requireReadable(const std::string& path, const std::vector<std::string>& al
                         "add it, --list-formats lists all",
                         path, extension, readableFormats()));
     if (bytes.empty()) throw Error(ErrorKind::InvalidContent, path + ": is empty; a model was expected");
-    if (extension == "dae") checkCollada({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path);
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (extension == "dae") checkCollada(text, path);
+    if (extension == "ply") checkPly(text, path);
 }
 
 // Opens only what lies in the model's folder, for reading.

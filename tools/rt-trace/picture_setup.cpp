@@ -1,10 +1,13 @@
 #include "tools/rt-trace/picture_setup.h"
 
 #include "common/error.h"
+#include "common/log.h"
 #include "tools/rt-trace/render.h"
 #include "tools/rt-trace/turntable.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
 
 namespace rt {
 namespace {
@@ -58,10 +61,25 @@ void requireNoEnvironmentOptions(const TraceOptions& options) {
                             options.environmentTurn ? "--environment-turn" : "--environment-strength"));
 }
 
+// Who placed cameras in a scene may expect to look through one of them.
+void tellOfUnusedCameras(const TraceOptions& options, const Atlas& atlas) {
+    constexpr std::size_t kMostNames = 5;
+    if (atlas.cameras.empty() || options.camera.eye || !options.camera.name.empty() ||
+        options.outputPaths.empty())
+        return;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(atlas.cameras.size(), kMostNames); ++i)
+        names += (i == 0 ? "" : ", ") + nameOf(atlas.cameras[i]);
+    if (atlas.cameras.size() > kMostNames)
+        names += fmt::format(" and {} more", atlas.cameras.size() - kMostNames);
+    logInfo(fmt::format("all of the scene is framed; --camera takes one of its cameras: {}", names));
+}
+
 } // namespace
 
 PictureSetup setUpPicture(const TraceOptions& options, const Atlas& atlas) {
     PictureSetup setup;
+    tellOfUnusedCameras(options, atlas);
     moveCamera(setup, options.camera, options, atlas);
     setup.environment = environmentOf(options, atlas);
     const bool hasEnvironment = !setup.environment.pixels.empty();
