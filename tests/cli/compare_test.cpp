@@ -168,6 +168,8 @@ TEST_F(CompareCli, LimitsMayNameLayersAndFigures) {
     EXPECT_EQ(withoutIds({"--max-abs", "0.5", "--max-over", "0.4:0.5"}), 0);
     EXPECT_EQ(withoutIds({"--max-percentile", "50:0", "--min-psnr", "9"}), 0);
     EXPECT_EQ(withoutIds({"--min-psnr", "9.1"}), 1); // 9.03 dB
+    EXPECT_EQ(withoutIds({"--max-rmse", "1e-3", "--max-rmse", "5"}), 1) << "the strictest counts";
+    EXPECT_EQ(withoutIds({"--min-psnr", "9.1", "--min-psnr", "9"}), 1);
     const CommandResult result = compare({"zero.exr", "half.exr", "--max-rmse", "1", "--max-abs", "R=0.1"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_THAT(result.out, HasSubstr("fails: limit: R: maximum |a-b| 0.5 exceeds 0.1\n"));

@@ -116,6 +116,26 @@ TEST(ComparePictures, TheMostPreciseNameOfALimitCounts) {
                 ElementsAre(HasSubstr("no layer or channel is called depth")));
 }
 
+TEST(ComparePictures, OfLimitsWithTheSameNameTheStrictestCounts) {
+    const Picture other = withValue(2, 7, 3.0f);
+    const ErrorFigures f = colorOf(compare(picture(), other))->figures;
+    for (const std::string name : {"", "*", "color", "R"})
+        for (const Limit& loose :
+             {Limit{Metric::Rmse, name, 0, 5}, Limit{Metric::MaxAbs, name, 0, 5},
+              Limit{Metric::Percentile, name, 100, 5}, Limit{Metric::Psnr, name, 0, -50}})
+            for (const bool isFirst : {true, false}) {
+                Limit strict = loose;
+                strict.value = loose.metric == Metric::Psnr ? f.psnr + 20 : 1e-3;
+                CompareOptions options;
+                options.limits = {loose, {Metric::Rmse, "", 0, 5}};
+                options.metrics.percents.push_back(100);
+                EXPECT_THAT(failuresOf(picture(), other, options), IsEmpty()) << name;
+                options.limits.insert(options.limits.begin() + (isFirst ? 0 : 1), strict);
+                EXPECT_THAT(failuresOf(picture(), other, options), ElementsAre(HasSubstr(metricName(strict))))
+                    << name;
+            }
+}
+
 TEST(ComparePictures, LayersThatDifferWithoutALimitAreNoted) {
     CompareOptions options;
     options.limits = {{Metric::Rmse, "", 0, 1}};

@@ -74,7 +74,11 @@ private:
         return isNamed(layer.name, limit.where) ? 3 : 0;
     }
 
-    // For each kind of figure the limit with the most precise name, and of several such the last one.
+    static bool isStricter(const Limit& limit, const Limit& other) {
+        return traitsOf(limit.metric).isAtLeast ? limit.value > other.value : limit.value < other.value;
+    }
+
+    // For each kind of figure the limit with the most precise name, and of several such the strictest.
     std::vector<const Limit*> limitsOf(const LayerComparison& layer) const {
         std::vector<const Limit*> chosen;
         for (const Limit& limit : limits_) {
@@ -83,10 +87,12 @@ private:
             const auto same = std::ranges::find_if(chosen, [&](const Limit* other) {
                 return other->metric == limit.metric && other->parameter == limit.parameter;
             });
-            if (same == chosen.end())
+            if (same == chosen.end()) {
                 chosen.push_back(&limit);
-            else if (precision >= precisionOf(**same, layer))
-                *same = &limit;
+                continue;
+            }
+            const int other = precisionOf(**same, layer);
+            if (precision > other || (precision == other && isStricter(limit, **same))) *same = &limit;
         }
         return chosen;
     }

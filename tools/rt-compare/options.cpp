@@ -25,7 +25,7 @@ struct OptionTexts {
 void addLimits(CLI::App& app, OptionTexts& texts, Options& options) {
     const std::string group =
         "Limits: [NAME=]X of a layer (color, Z, albedo, ...), a channel (N.X) or all ('*'); "
-        "without NAME, of every layer of colors. By default all must be equal";
+        "without NAME, of every layer of colors; of several the strictest. By default all must be equal";
     for (std::size_t i = 0; i < kMetrics.size(); ++i)
         app.add_option(kMetrics[i].option, texts.limits[i], kMetrics[i].help)
             ->allow_extra_args(false)
