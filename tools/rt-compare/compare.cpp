@@ -109,6 +109,19 @@ void addNoiseFindings(Comparison& comparison) {
              fmt::format("{} differ, in too few pixels to tell that from noise; compare them with limits "
                          "instead",
                          fmt::join(noise.tooSmall, ", "))});
+    if (!noise.untested.empty())
+        comparison.findings.push_back(
+            {FindingKind::Noise,
+             fmt::format("{} differ, and the noise of single pixels is not known ({}); render both with "
+                         "--aov Z,N,id,variance, give --second-seed, or compare with limits instead",
+                         fmt::join(noise.untested, ", "), noise.source)});
+    if (noise.outlier)
+        comparison.findings.push_back(
+            {FindingKind::Noise,
+             fmt::format("around x {}, y {} the luminance is {:.6g} from both other renders, which differ "
+                         "so from two others by {:.6g} at most",
+                         noise.outlier->x, noise.outlier->y, noise.outlier->difference,
+                         noise.outlier->usual)});
     if (noise.significantPixels > 0)
         comparison.findings.push_back(
             {FindingKind::Noise,

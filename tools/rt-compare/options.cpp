@@ -53,10 +53,12 @@ void addVerdict(CLI::App& app, OptionTexts& texts, Options& options) {
         ->check(CLI::IsMember({"same"}).description(""))
         ->type_name("same")
         ->group(group);
-    app.add_flag("--noise", options.compare.noise.on,
-                 "Instead of wanting equal colors, test whether a and b, renders with two seeds, differ by "
-                 "more than "
-                 "noise: by their variance channels and samplesPerPixel, and region by region")
+    app.add_flag(
+           "--noise", options.compare.noise.on,
+           "Instead of wanting equal colors, test whether a and b, renders with two seeds, differ by "
+           "more than "
+           "noise: by their variance channels and samplesPerPixel, without which a difference fails, and "
+           "region by region")
         ->group(group);
     app.add_option("--second-seed", options.secondPath,
                    "As --noise, with the noise known from another render of b with a third seed; a folder "
