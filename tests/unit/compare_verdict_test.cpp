@@ -136,6 +136,46 @@ TEST(ComparePictures, OfLimitsWithTheSameNameTheStrictestCounts) {
             }
 }
 
+TEST(ComparePictures, ALimitOnAChannelLeavesTheOthersOfItsLayerEqual) {
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "R", 0, 5}};
+    EXPECT_THAT(failuresOf(picture(), withValue(2, 7, 3.0f), options), IsEmpty()); // R
+    EXPECT_THAT(failuresOf(picture(), withValue(1, 7, 3.0f), options),
+                ElementsAre(HasSubstr("limit: G: RMSE")));
+    options.limits.push_back({Metric::MaxAbs, "G", 0, 5});
+    EXPECT_THAT(failuresOf(picture(), withValue(1, 7, 3.0f), options), IsEmpty());
+    EXPECT_THAT(failuresOf(picture(), withValue(0, 7, 3.0f), options),
+                ElementsAre(HasSubstr("limit: B: RMSE")));
+    options.limits.push_back({Metric::Rmse, "color", 0, 5});
+    EXPECT_THAT(failuresOf(picture(), withValue(0, 7, 3.0f), options), IsEmpty());
+    const auto normals = [](float y) {
+        return pictureOf(imageOf(1, 1, {floats("N.X", {1}), floats("N.Y", {y})}));
+    };
+    options.limits = {{Metric::Rmse, "N.X", 0, 5}};
+    EXPECT_THAT(failuresOf(normals(1), normals(2), options), ElementsAre(HasSubstr("limit: N.Y: RMSE")));
+}
+
+TEST(ComparePictures, LimitsOnWhatIsSeenLeaveTheOpacityEqual) {
+    const auto grey = [](float opacity) {
+        const std::size_t count = 12 * 12;
+        return pictureOf(imageOf(
+            12, 12,
+            {floats("A", std::vector<float>(count, opacity)), floats("Y", std::vector<float>(count, 0.5f))}));
+    };
+    CompareOptions options;
+    options.perception.flip = options.perception.ssim = true;
+    for (const Limit& limit : {Limit{Metric::Flip, "", 0, 0.5}, Limit{Metric::Ssim, "color", 0, 0.5}}) {
+        options.limits = {limit};
+        EXPECT_THAT(failuresOf(grey(1), grey(1), options), IsEmpty());
+        EXPECT_THAT(failuresOf(grey(0.5), grey(1), options),
+                    ElementsAre(HasSubstr("limit: A: RMSE 0.5 exceeds 0")));
+        options.limits.push_back({Metric::MaxAbs, "A", 0, 0.5});
+        EXPECT_THAT(failuresOf(grey(0.5), grey(1), options), IsEmpty());
+        options.limits = {limit, {Metric::Rmse, "", 0, 0.5}};
+        EXPECT_THAT(failuresOf(grey(0.5), grey(1), options), IsEmpty()) << "which takes in all channels";
+    }
+}
+
 TEST(ComparePictures, LayersThatDifferWithoutALimitAreNoted) {
     CompareOptions options;
     options.limits = {{Metric::Rmse, "", 0, 1}};

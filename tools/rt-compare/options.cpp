@@ -25,7 +25,8 @@ struct OptionTexts {
 void addLimits(CLI::App& app, OptionTexts& texts, Options& options) {
     const std::string group =
         "Limits: [NAME=]X of a layer (color, Z, albedo, ...), a channel (N.X) or all ('*'); "
-        "without NAME, of every layer of colors; of several the strictest. By default all must be equal";
+        "without NAME, of every layer of colors; of several the strictest. What has none must be equal: by "
+        "default all, beside a channel's limit the layer's other channels, beside FLIP and SSIM opacity";
     for (std::size_t i = 0; i < kMetrics.size(); ++i)
         app.add_option(kMetrics[i].option, texts.limits[i], kMetrics[i].help)
             ->allow_extra_args(false)
