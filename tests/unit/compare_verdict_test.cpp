@@ -116,6 +116,25 @@ TEST(ComparePictures, TheMostPreciseNameOfALimitCounts) {
                 ElementsAre(HasSubstr("no layer or channel is called depth")));
 }
 
+TEST(ComparePictures, APercentileOfLessThanOneValueHoldsNothing) {
+    CompareOptions options;
+    for (const double percent : {1e-300, 0.16, 0.17}) { // of 600 values
+        options.metrics.percents.assign(1, percent);
+        options.limits = {{Metric::Percentile, "", percent, 0}};
+        const std::vector<std::string> found = failuresOf(picture(), withValue(2, 7, 3.0f), options);
+        if (percent == 0.17) {
+            EXPECT_THAT(found, IsEmpty());
+        } else {
+            EXPECT_THAT(found, ElementsAre(HasSubstr("could not be computed")));
+        }
+    }
+    const auto grey = [](float value) { return pictureOf(imageOf(1, 1, {floats("Y", {value})})); };
+    options.metrics.percents.assign(1, 50);
+    options.limits = {{Metric::Percentile, "", 50, 0}};
+    EXPECT_THAT(failuresOf(grey(1), grey(1), options), IsEmpty());
+    EXPECT_THAT(failuresOf(grey(1), grey(2), options), ElementsAre(HasSubstr("exceeds 0")));
+}
+
 TEST(ComparePictures, OfLimitsWithTheSameNameTheStrictestCounts) {
     const Picture other = withValue(2, 7, 3.0f);
     const ErrorFigures f = colorOf(compare(picture(), other))->figures;

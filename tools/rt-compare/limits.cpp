@@ -28,7 +28,9 @@ double overOf(const ErrorFigures& figures, double threshold) {
     return kNotComputed;
 }
 
+// Less than one value, unless it is the only one, is none that a limit could hold.
 double percentileOf(const ErrorFigures& figures, double percent) {
+    if (figures.compared > 1 && percent * static_cast<double>(figures.compared) < 100.0) return kNotComputed;
     for (const Percentile& percentile : figures.percentiles)
         if (percentile.percent == percent) return percentile.absError;
     return kNotComputed;
