@@ -216,6 +216,24 @@ TEST(ComparePictures, IdsMustBeEqualUnlessALimitNamesThem) {
     EXPECT_THAT(failuresOf(withIds(7), withIds(8), options), IsEmpty());
 }
 
+TEST(ComparePictures, WhatIsNearlyBlackIsBlack) {
+    const auto grey = [](float value, float opacity, float spike) {
+        std::vector<float> values(400, value);
+        values[7] += spike;
+        return pictureOf(
+            imageOf(20, 20, {floats("A", std::vector<float>(400, opacity)), floats("Y", values)}));
+    };
+    for (const float black : {0.0f, 1e-30f, -1e-9f, 4e-7f}) {
+        EXPECT_THAT(failuresOf(grey(black, 1, 0), grey(0.5, 1, 0), loose()),
+                    ElementsAre("black: color: the first image is black everywhere, the second is not"));
+        EXPECT_THAT(failuresOf(grey(0.5, 1, 0), grey(0.5, black, 0), loose()),
+                    ElementsAre(HasSubstr("the second image is transparent")));
+    }
+    EXPECT_THAT(failuresOf(grey(6e-7f, 1, 0), grey(0.5, 1, 0), loose()), IsEmpty());
+    EXPECT_THAT(failuresOf(grey(0.5, 1, 0), grey(0.5, 1, 1e7f), loose()), IsEmpty())
+        << "beside one pixel that went wrong";
+}
+
 TEST(ComparePictures, LayersWhoseChannelsAreCalledOtherwiseMustNotBeBlackEither) {
     const auto withBeauty = [](float value) {
         return pictureOf(imageOf(
