@@ -75,6 +75,12 @@ TEST_F(CompareReports, LimitsOnFlipAndSimilarityMoveTheVerdict) {
     EXPECT_THAT(flip.out, HasSubstr("FLIP (HDR): mean 0."));
     EXPECT_THAT(flip.out, HasSubstr("color: FLIP 0."));
     EXPECT_EQ(compare({"near.exr", "reference.exr", "--min-ssim", "0.999"}).exitCode, 1);
+    const CommandResult blind =
+        compare({"near.exr", "reference.exr", "--max-flip", "1", "--exposures=-100,-100"});
+    EXPECT_EQ(blind.exitCode, 1);
+    EXPECT_THAT(blind.out, HasSubstr("color: FLIP could not be computed; limit"));
+    EXPECT_THAT(blind.out, HasSubstr("at none of the exposures"));
+    EXPECT_EQ(compare({"near.exr", "reference.exr", "--max-flip", "1", "--exposures=-8,0"}).exitCode, 0);
     const CommandResult small = compare({"near.exr", "reference.exr", "--min-ms-ssim", "0.1"});
     EXPECT_EQ(small.exitCode, 1); // not defined for so small a picture: no pass
     EXPECT_THAT(small.out, HasSubstr("no MS-SSIM"));

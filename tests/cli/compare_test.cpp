@@ -168,6 +168,8 @@ TEST_F(CompareCli, LimitsMayNameLayersAndFigures) {
     EXPECT_EQ(withoutIds({"--max-abs", "0.5", "--max-over", "0.4:0.5"}), 0);
     EXPECT_EQ(withoutIds({"--max-percentile", "50:0", "--min-psnr", "9"}), 0);
     EXPECT_EQ(withoutIds({"--min-psnr", "9.1"}), 1); // 9.03 dB
+    EXPECT_EQ(withoutIds({"--max-rmse", "1e-3", "--max-rmse", "5"}), 1) << "the strictest counts";
+    EXPECT_EQ(withoutIds({"--min-psnr", "9.1", "--min-psnr", "9"}), 1);
     const CommandResult result = compare({"zero.exr", "half.exr", "--max-rmse", "1", "--max-abs", "R=0.1"});
     EXPECT_EQ(result.exitCode, 1);
     EXPECT_THAT(result.out, HasSubstr("fails: limit: R: maximum |a-b| 0.5 exceeds 0.1\n"));
@@ -320,10 +322,17 @@ void writeNoise(const std::string& path, unsigned seed, float gain) {
 TEST_F(CompareCli, NoiseIsJudgedAsNoise) {
     writeNoise(folder_.file("seed1.exr"), 1, 1.0f);
     writeNoise(folder_.file("seed2.exr"), 2, 1.0f);
+    writeNoise(folder_.file("seed3.exr"), 3, 1.0f);
     writeNoise(folder_.file("brighter.exr"), 2, 1.02f);
-    const CommandResult result = compare({"seed1.exr", "seed2.exr", "--noise"});
+    const CommandResult result = compare({"seed1.exr", "seed2.exr", "--second-seed", "seed3.exr"});
     EXPECT_EQ(result.exitCode, 0) << result.out;
-    EXPECT_EQ(compare({"seed1.exr", "brighter.exr", "--noise"}).exitCode, 1);
+    EXPECT_EQ(compare({"seed1.exr", "brighter.exr", "--second-seed", "seed3.exr"}).exitCode, 1);
+    const CommandResult untested = compare({"seed1.exr", "seed2.exr", "--noise"});
+    EXPECT_EQ(untested.exitCode, 1);
+    EXPECT_THAT(untested.out, HasSubstr("fails: noise: R, G, B differ, and the noise of single pixels is not "
+                                        "known (regions only: there is no variance channel"));
+    EXPECT_THAT(untested.out, HasSubstr("render both with --aov Z,N,id,variance, give --second-seed"));
+    EXPECT_EQ(compare({"seed1.exr", "seed1.exr", "--noise"}).exitCode, 0);
     EXPECT_EQ(compare({"seed1.exr", "seed2.exr"}).exitCode, 1);
     write("noise.exr", {0.25f, 0.001f});
     EXPECT_EQ(compare({"zero.exr", "noise.exr", "--noise"}).exitCode, 1) << "too few pixels to tell";

@@ -292,6 +292,28 @@ TEST(FlipExposures, AreAtMost33AndIgnoreWhatIsNotFinite) {
     EXPECT_EQ(before.stop, after.stop);
 }
 
+TEST(FlipExposures, APixelWithoutMeasureHidesNoOther) {
+    for (const int side : {8, 64})
+        for (const float spike : {1e6f, 1e9f, 1e10f, 1e20f, 3e38f}) {
+            Colors reference = constantOf(std::uint32_t(side), std::uint32_t(side), 0.5);
+            const Colors test = constantOf(std::uint32_t(side), std::uint32_t(side), 0.25);
+            for (std::vector<float>& plane : reference.values) plane[3] = spike;
+            const ExposureRange range = automaticExposures(reference.planes(), test.planes()).range;
+            EXPECT_LE(range.count, 33u);
+            EXPECT_GT(poolErrors(flipHdr(reference.planes(), test.planes(), range)).mean, 0.2)
+                << side << " pixels a side, one " << spike;
+        }
+}
+
+TEST(FlipExposures, ShowNothingWhereAllIsBlackOrWhite) {
+    const Colors picture = squareOf(2.0, 0.1);
+    for (const double stops : {-100.0, -14.0, 14.0, 100.0})
+        EXPECT_FALSE(showsAnything(picture.planes(), {stops, stops, 1})) << stops;
+    EXPECT_TRUE(showsAnything(picture.planes(), {0.0, 0.0, 1}));
+    EXPECT_TRUE(showsAnything(picture.planes(), {-100.0, 0.0, 2}));
+    EXPECT_FALSE(showsAnything(constantOf(16, 16, 0.0).planes(), {0.0, 0.0, 1}));
+}
+
 TEST(FlipExposures, GoEvenlyFromStartToStop) {
     const ExposureRange range{-2.0, 1.0, 4};
     EXPECT_DOUBLE_EQ(range.factor(0), 0.25);

@@ -101,13 +101,33 @@ TEST(NoiseTest, CatchesABiasOfOnePerCentInABigRegion) {
 TEST(NoiseTest, CatchesSinglePixelsThatNoNoiseExplains) {
     Image a = render(4, gaussian, 64);
     const Image b = render(5, gaussian, 64), c = render(6, gaussian, 64);
-    a.channels[0].values[5000] += 4.0f;
+    a.channels[0].values[5000] += 3.0f;
     const NoiseTest found = testNoise(a, b);
     EXPECT_EQ(found.significantPixels, 1u);
     EXPECT_GT(found.largestZ, 10.0);
-    EXPECT_TRUE(testNoise(a, b, &c).passed()) << "one outlier may be the seed's";
-    for (std::size_t i = 0; i < 30; ++i) a.channels[0].values[1000 + 700 * i] += 4.0f;
+    EXPECT_TRUE(testNoise(a, b, &c).passed()) << "one outlier of the usual size may be the seed's";
+    for (std::size_t i = 0; i < 30; ++i) a.channels[0].values[1000 + 700 * i] += 3.0f;
     EXPECT_EQ(testNoise(a, b, &c).significantPixels, 31u);
+}
+
+TEST(NoiseTest, ASecondSeedTellsWhatIsTooLargeForAnyNoise) {
+    for (const Sampler& sampler : {Sampler(gaussian), Sampler(fireflies), Sampler(edges)}) {
+        const Image a = render(4, sampler, 64), b = render(5, sampler, 64), c = render(6, sampler, 64);
+        ASSERT_TRUE(testNoise(a, b, &c).passed());
+        Image pixel = a;
+        pixel.channels[0].values[5000] = 1e6f;
+        const NoiseTest found = testNoise(pixel, b, &c);
+        EXPECT_EQ(found.significantPixels, 0u) << "a single one, of which other seeds may have as many";
+        ASSERT_TRUE(found.outlier);
+        EXPECT_EQ(found.outlier->x, 5000 % int(kSize));
+        EXPECT_EQ(found.outlier->y, 5000 / int(kSize));
+        EXPECT_NEAR(found.outlier->difference, 1e6, 100.0);
+        EXPECT_LT(found.outlier->usual, 100.0);
+        Image blob = a;
+        for (std::uint32_t i = 0; i < 25; ++i)
+            blob.channels[0].values[(100 + i / 5) * kSize + 100 + i % 5] = 5.0f;
+        EXPECT_FALSE(testNoise(blob, b, &c).passed());
+    }
 }
 
 TEST(NoiseTest, CatchesSmallDifferencesWhereThereIsNoNoise) {
@@ -132,6 +152,20 @@ TEST(NoiseTest, PicturesTooSmallToTellDoNotPass) {
         EXPECT_TRUE(testNoise(constant(side, 1.0f + 0x1p-20f), constant(side, 1.0f)).passed()) << side;
     }
     EXPECT_FALSE(testNoise(constant(64, 1.1f), constant(64, 1.0f)).passed()) << "which is large enough";
+}
+
+TEST(NoiseTest, PicturesThatDifferWithoutKnownNoiseOfPixelsDoNotPass) {
+    const Image a = render(14, gaussian, 16), b = render(15, gaussian, 16), c = render(16, gaussian, 16);
+    const auto color = [](const Image& image) { return imageOf(kSize, kSize, {image.channels[0]}); };
+    const NoiseTest found = testNoise(color(a), color(b));
+    EXPECT_EQ(found.untested, std::vector<std::string>{"Y"});
+    EXPECT_FALSE(found.passed());
+    const Image third = color(c);
+    EXPECT_TRUE(testNoise(color(a), color(b), &third).passed());
+    EXPECT_TRUE(testNoise(color(a), color(a)).passed()) << "equal ones do";
+    Image unknown = a; // variances, but of how many samples?
+    unknown.ints.clear();
+    EXPECT_FALSE(testNoise(unknown, b).passed());
 }
 
 TEST(NoiseTest, CatchesTilesThatAreLostOrMuchTooBright) {

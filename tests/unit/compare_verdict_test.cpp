@@ -116,6 +116,85 @@ TEST(ComparePictures, TheMostPreciseNameOfALimitCounts) {
                 ElementsAre(HasSubstr("no layer or channel is called depth")));
 }
 
+TEST(ComparePictures, APercentileOfLessThanOneValueHoldsNothing) {
+    CompareOptions options;
+    for (const double percent : {1e-300, 0.16, 0.17}) { // of 600 values
+        options.metrics.percents.assign(1, percent);
+        options.limits = {{Metric::Percentile, "", percent, 0}};
+        const std::vector<std::string> found = failuresOf(picture(), withValue(2, 7, 3.0f), options);
+        if (percent == 0.17) {
+            EXPECT_THAT(found, IsEmpty());
+        } else {
+            EXPECT_THAT(found, ElementsAre(HasSubstr("could not be computed")));
+        }
+    }
+    const auto grey = [](float value) { return pictureOf(imageOf(1, 1, {floats("Y", {value})})); };
+    options.metrics.percents.assign(1, 50);
+    options.limits = {{Metric::Percentile, "", 50, 0}};
+    EXPECT_THAT(failuresOf(grey(1), grey(1), options), IsEmpty());
+    EXPECT_THAT(failuresOf(grey(1), grey(2), options), ElementsAre(HasSubstr("exceeds 0")));
+}
+
+TEST(ComparePictures, OfLimitsWithTheSameNameTheStrictestCounts) {
+    const Picture other = withValue(2, 7, 3.0f);
+    const ErrorFigures f = colorOf(compare(picture(), other))->figures;
+    for (const std::string name : {"", "*", "color", "R"})
+        for (const Limit& loose :
+             {Limit{Metric::Rmse, name, 0, 5}, Limit{Metric::MaxAbs, name, 0, 5},
+              Limit{Metric::Percentile, name, 100, 5}, Limit{Metric::Psnr, name, 0, -50}})
+            for (const bool isFirst : {true, false}) {
+                Limit strict = loose;
+                strict.value = loose.metric == Metric::Psnr ? f.psnr + 20 : 1e-3;
+                CompareOptions options;
+                options.limits = {loose, {Metric::Rmse, "", 0, 5}};
+                options.metrics.percents.push_back(100);
+                EXPECT_THAT(failuresOf(picture(), other, options), IsEmpty()) << name;
+                options.limits.insert(options.limits.begin() + (isFirst ? 0 : 1), strict);
+                EXPECT_THAT(failuresOf(picture(), other, options), ElementsAre(HasSubstr(metricName(strict))))
+                    << name;
+            }
+}
+
+TEST(ComparePictures, ALimitOnAChannelLeavesTheOthersOfItsLayerEqual) {
+    CompareOptions options;
+    options.limits = {{Metric::Rmse, "R", 0, 5}};
+    EXPECT_THAT(failuresOf(picture(), withValue(2, 7, 3.0f), options), IsEmpty()); // R
+    EXPECT_THAT(failuresOf(picture(), withValue(1, 7, 3.0f), options),
+                ElementsAre(HasSubstr("limit: G: RMSE")));
+    options.limits.push_back({Metric::MaxAbs, "G", 0, 5});
+    EXPECT_THAT(failuresOf(picture(), withValue(1, 7, 3.0f), options), IsEmpty());
+    EXPECT_THAT(failuresOf(picture(), withValue(0, 7, 3.0f), options),
+                ElementsAre(HasSubstr("limit: B: RMSE")));
+    options.limits.push_back({Metric::Rmse, "color", 0, 5});
+    EXPECT_THAT(failuresOf(picture(), withValue(0, 7, 3.0f), options), IsEmpty());
+    const auto normals = [](float y) {
+        return pictureOf(imageOf(1, 1, {floats("N.X", {1}), floats("N.Y", {y})}));
+    };
+    options.limits = {{Metric::Rmse, "N.X", 0, 5}};
+    EXPECT_THAT(failuresOf(normals(1), normals(2), options), ElementsAre(HasSubstr("limit: N.Y: RMSE")));
+}
+
+TEST(ComparePictures, LimitsOnWhatIsSeenLeaveTheOpacityEqual) {
+    const auto grey = [](float opacity) {
+        const std::size_t count = 12 * 12;
+        return pictureOf(imageOf(
+            12, 12,
+            {floats("A", std::vector<float>(count, opacity)), floats("Y", std::vector<float>(count, 0.5f))}));
+    };
+    CompareOptions options;
+    options.perception.flip = options.perception.ssim = true;
+    for (const Limit& limit : {Limit{Metric::Flip, "", 0, 0.5}, Limit{Metric::Ssim, "color", 0, 0.5}}) {
+        options.limits = {limit};
+        EXPECT_THAT(failuresOf(grey(1), grey(1), options), IsEmpty());
+        EXPECT_THAT(failuresOf(grey(0.5), grey(1), options),
+                    ElementsAre(HasSubstr("limit: A: RMSE 0.5 exceeds 0")));
+        options.limits.push_back({Metric::MaxAbs, "A", 0, 0.5});
+        EXPECT_THAT(failuresOf(grey(0.5), grey(1), options), IsEmpty());
+        options.limits = {limit, {Metric::Rmse, "", 0, 0.5}};
+        EXPECT_THAT(failuresOf(grey(0.5), grey(1), options), IsEmpty()) << "which takes in all channels";
+    }
+}
+
 TEST(ComparePictures, LayersThatDifferWithoutALimitAreNoted) {
     CompareOptions options;
     options.limits = {{Metric::Rmse, "", 0, 1}};
@@ -135,6 +214,24 @@ TEST(ComparePictures, IdsMustBeEqualUnlessALimitNamesThem) {
     EXPECT_THAT(failuresOf(withIds(7), withIds(7), options), IsEmpty());
     options.limits.push_back({Metric::Differing, "id", 0, 1});
     EXPECT_THAT(failuresOf(withIds(7), withIds(8), options), IsEmpty());
+}
+
+TEST(ComparePictures, WhatIsNearlyBlackIsBlack) {
+    const auto grey = [](float value, float opacity, float spike) {
+        std::vector<float> values(400, value);
+        values[7] += spike;
+        return pictureOf(
+            imageOf(20, 20, {floats("A", std::vector<float>(400, opacity)), floats("Y", values)}));
+    };
+    for (const float black : {0.0f, 1e-30f, -1e-9f, 4e-7f}) {
+        EXPECT_THAT(failuresOf(grey(black, 1, 0), grey(0.5, 1, 0), loose()),
+                    ElementsAre("black: color: the first image is black everywhere, the second is not"));
+        EXPECT_THAT(failuresOf(grey(0.5, 1, 0), grey(0.5, black, 0), loose()),
+                    ElementsAre(HasSubstr("the second image is transparent")));
+    }
+    EXPECT_THAT(failuresOf(grey(6e-7f, 1, 0), grey(0.5, 1, 0), loose()), IsEmpty());
+    EXPECT_THAT(failuresOf(grey(0.5, 1, 0), grey(0.5, 1, 1e7f), loose()), IsEmpty())
+        << "beside one pixel that went wrong";
 }
 
 TEST(ComparePictures, LayersWhoseChannelsAreCalledOtherwiseMustNotBeBlackEither) {

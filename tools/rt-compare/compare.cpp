@@ -7,30 +7,39 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace rt {
 namespace {
 
-bool isZero(const ValueRange& range) {
-    return range.min == 0.0 && range.max == 0.0;
-}
-
-// In which of the pictures the chosen channels are 0 everywhere.
+// In which of the pictures the chosen channels are black: nowhere above a millionth of what the other picture
+// has in the mean, which a few pixels without measure do not move much.
 struct Blackness {
-    bool a = true, b = true;
+    bool a = false, b = false;
     bool differs() const { return a != b; }
 };
 
 Blackness blacknessOf(const LayerComparison& layer, bool ofOpacity) {
-    Blackness black;
+    constexpr double kBlack = 1e-6;
+    struct Values {
+        double largest = 0.0, mean = 0.0;
+        void add(const ValueRange& range) {
+            const double magnitude = std::max(std::abs(range.min), std::abs(range.max));
+            largest = std::isnan(magnitude) ? HUGE_VAL : std::max(largest, magnitude); // NaN is not black
+            mean = std::max(mean, std::abs(range.mean));
+        }
+        bool isBlackBeside(const Values& other) const {
+            return (largest == 0.0 && other.largest > 0.0) || largest < kBlack * other.mean;
+        }
+    } a, b;
     for (const ChannelComparison& channel : layer.channels) {
         const bool isOpacity =
             layer.kind == LayerKind::Color && splitChannelName(channel.name).last.ends_with("A");
         if (isOpacity != ofOpacity) continue;
-        black.a = black.a && isZero(channel.figures.a);
-        black.b = black.b && isZero(channel.figures.b);
+        a.add(channel.figures.a);
+        b.add(channel.figures.b);
     }
-    return black;
+    return {a.isBlackBeside(b), b.isBlackBeside(a)};
 }
 
 // A loose limit may let a black picture pass where little is to be seen; it is never what was wanted.
@@ -109,6 +118,19 @@ void addNoiseFindings(Comparison& comparison) {
              fmt::format("{} differ, in too few pixels to tell that from noise; compare them with limits "
                          "instead",
                          fmt::join(noise.tooSmall, ", "))});
+    if (!noise.untested.empty())
+        comparison.findings.push_back(
+            {FindingKind::Noise,
+             fmt::format("{} differ, and the noise of single pixels is not known ({}); render both with "
+                         "--aov Z,N,id,variance, give --second-seed, or compare with limits instead",
+                         fmt::join(noise.untested, ", "), noise.source)});
+    if (noise.outlier)
+        comparison.findings.push_back(
+            {FindingKind::Noise,
+             fmt::format("around x {}, y {} the luminance is {:.6g} from both other renders, which differ "
+                         "so from two others by {:.6g} at most",
+                         noise.outlier->x, noise.outlier->y, noise.outlier->difference,
+                         noise.outlier->usual)});
     if (noise.significantPixels > 0)
         comparison.findings.push_back(
             {FindingKind::Noise,

@@ -182,7 +182,16 @@ struct NoiseTest {
     std::vector<Region> significantRegions; ///< least probable first, at most 10
     std::uint64_t significantRegionCount = 0;
     std::vector<std::string> tooSmall; ///< channels that differ, of too few pixels to tell that from noise
-    bool passed() const { return significantPixels == 0 && significantRegionCount == 0 && tooSmall.empty(); }
+    std::vector<std::string> untested; ///< channels that differ where no single pixel could be tested
+    struct Outlier {
+        std::int32_t x = 0, y = 0;
+        double difference = 0.0, usual = 0.0; ///< least of luminance to the other two renders; theirs at most
+    };
+    std::optional<Outlier> outlier; ///< that is too large for the noise of a second seed's render
+    bool passed() const {
+        return significantPixels == 0 && significantRegionCount == 0 && tooSmall.empty() &&
+               untested.empty() && !outlier;
+    }
 };
 
 /// What was found out about two pictures.

@@ -41,7 +41,7 @@ inline constexpr std::array<FindingTraits, 14> kFindings{{
     {FindingKind::Chromaticities, "chromaticities", "what the colors mean", true},
     {FindingKind::Camera, "camera", "matrices, screen window, view", true},
     {FindingKind::Encoding, "encoding", "linear light against sRGB, which is decoded", true},
-    {FindingKind::Black, "black", "layers that are 0 in one only", true},
+    {FindingKind::Black, "black", "layers that are black in one only", true},
     {FindingKind::Files, "files", "files that only one folder has", true},
     {FindingKind::NonFinite, "non-finite", "NaN and infinities", false},
     {FindingKind::Limit, "limit", "a limit is broken", false},

@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kToneMappedLevel =
     0.85;                            // at which automatic exposures put the brightest pixel and the median
-constexpr float kDarkest = 0x1p-32f; // of the brightest; what is darker has no say in exposures
+constexpr float kDarkest = 0x1p-32f; // of a bright pixel; what is darker has no say in exposures
+constexpr unsigned kMostExposures = 33;
+constexpr double kLeastShown = 1e-3, kMostShown = 16.0; // that the tone map makes neither black nor white
 
 class FlipRun {
 public:
@@ -60,6 +62,17 @@ float medianOf(std::vector<float>& values) {
     return *middle;
 }
 
+// A bright pixel's luminance: exceeded by a thousandth of those above 0, and by one of them if there are
+// several. A few pixels without measure do not make all others dark.
+float brightOf(std::vector<float> luminances) {
+    std::erase(luminances, 0.0f);
+    const std::size_t exceeding = std::max<std::size_t>(luminances.size() / 1000, 1);
+    const auto place =
+        luminances.end() - static_cast<std::ptrdiff_t>(std::min(luminances.size(), exceeding + 1));
+    std::nth_element(luminances.begin(), place, luminances.end());
+    return *place;
+}
+
 // The value that the tone map takes to kToneMappedLevel: root of a quadratic equation.
 double valueAtLevel() {
     const double a = kAcesAbove[2] - kToneMappedLevel * kAcesBelow[2];
@@ -96,22 +109,35 @@ AutomaticExposures automaticExposures(const ColorPlanes& reference, const ColorP
             result.note = "the reference is black; exposures are those of the other picture";
             continue;
         }
+        const float darkest = brightOf(luminances) * kDarkest;
         float median = medianOf(luminances);
-        if (median <= brightest * kDarkest) {
+        if (median <= darkest) {
             result.note += result.note.empty() ? "" : "; ";
             result.note += "most pixels are black; exposures are those of the others";
-            std::erase_if(luminances, [&](float y) { return y <= brightest * kDarkest; });
+            std::erase_if(luminances, [&](float y) { return y <= darkest; });
             median = medianOf(luminances);
         }
         const double level = valueAtLevel();
         ExposureRange& range = result.range;
         range = {std::log2(level / brightest), std::log2(level / median), 1};
         if (range.stop > range.start)
-            range.count = std::max(2u, static_cast<unsigned>(std::ceil(range.stop - range.start)));
+            range.count =
+                std::clamp(static_cast<unsigned>(std::ceil(range.stop - range.start)), 2u, kMostExposures);
         return result;
     }
     result.note = "both pictures are black; the exposure is 0";
     return result;
+}
+
+bool showsAnything(const ColorPlanes& picture, const ExposureRange& exposures) {
+    const std::vector<float> luminances = luminancesOf(picture);
+    for (unsigned i = 0; i < exposures.count; ++i) {
+        const double factor = exposures.factor(i);
+        if (std::ranges::any_of(
+                luminances, [&](float y) { return factor * y >= kLeastShown && factor * y <= kMostShown; }))
+            return true;
+    }
+    return false;
 }
 
 } // namespace rt

@@ -47,9 +47,13 @@ struct AutomaticExposures {
 
 /// From the exposure at which the reference's brightest pixel comes out at 0.85 to that at which its median
 /// does, about a stop apart. Where the paper's rule breaks down it still gives exposures in which something
-/// is seen: the median is that of the pixels brighter than the brightest / 2^32 if the one of all pixels is
-/// darker (a black background); a black reference leaves the choice to the test picture; two black pictures
-/// get the exposure 0. At most 33 exposures.
+/// is seen: the median is that of the pixels brighter than a bright one / 2^32 if the one of all pixels is
+/// darker (a black background; bright are the brightest but for a thousandth of the pixels, which may have
+/// gone wrong); a black reference leaves the choice to the test picture; two black pictures
+/// get the exposure 0. At most 33 exposures, more than a stop apart if need be.
 AutomaticExposures automaticExposures(const ColorPlanes& reference, const ColorPlanes& test);
+
+/// Whether any pixel is neither black nor white at any of the exposures.
+bool showsAnything(const ColorPlanes& picture, const ExposureRange& exposures);
 
 } // namespace rt

@@ -125,6 +125,12 @@ Json describeNoise(const NoiseTest& noise) {
                            {"bias", region.bias},
                            {"relativeBias", region.relativeBias},
                            {"probability", region.probability}});
+    Json outlier;
+    if (noise.outlier)
+        outlier = {{"x", noise.outlier->x},
+                   {"y", noise.outlier->y},
+                   {"difference", noise.outlier->difference},
+                   {"usual", noise.outlier->usual}};
     return {{"source", noise.source},
             {"level", noise.level},
             {"pixels", noise.pixels},
@@ -134,6 +140,8 @@ Json describeNoise(const NoiseTest& noise) {
             {"significantRegionCount", noise.significantRegionCount},
             {"significantRegions", regions},
             {"tooSmall", noise.tooSmall},
+            {"untested", noise.untested},
+            {"outlier", outlier},
             {"passed", noise.passed()}};
 }
 

@@ -18,13 +18,19 @@ bool suits(Metric metric, LayerKind kind) {
            (of == MetricOf::Colors ? kind == LayerKind::Color : kind != LayerKind::Ids);
 }
 
+bool isOpacity(const LayerComparison& layer, const ChannelComparison& channel) {
+    return layer.kind == LayerKind::Color && channel.name.ends_with("A");
+}
+
 double overOf(const ErrorFigures& figures, double threshold) {
     for (const OverThreshold& over : figures.over)
         if (over.threshold == threshold) return over.fraction;
     return kNotComputed;
 }
 
+// Less than one value, unless it is the only one, is none that a limit could hold.
 double percentileOf(const ErrorFigures& figures, double percent) {
+    if (figures.compared > 1 && percent * static_cast<double>(figures.compared) < 100.0) return kNotComputed;
     for (const Percentile& percentile : figures.percentiles)
         if (percentile.percent == percent) return percentile.absError;
     return kNotComputed;
@@ -56,10 +62,13 @@ public:
         for (const LayerComparison& layer : comparison_.layers) {
             const std::vector<const Limit*> limits = limitsOf(layer);
             for (const Limit* limit : limits) check(*limit, layer.name, valueOf(*limit, layer));
-            const bool hasChannelLimit = checkChannels(layer);
-            if (!limits.empty() || hasChannelLimit) continue;
+            const std::set<std::string> held = checkChannels(layer);
             const bool isAlike = tolerant_ || (layer.kind == LayerKind::Data && someUnnamed);
-            if (layer.kind == LayerKind::Ids || !isAlike) checkEqual(layer);
+            if (isAlike && layer.kind != LayerKind::Ids) continue;
+            if (limits.empty() && held.empty())
+                checkEqual(layer);
+            else
+                checkOthersEqual(layer, limits, held);
         }
         requireKnownNames();
         requireSuitableNames();
@@ -74,7 +83,11 @@ private:
         return isNamed(layer.name, limit.where) ? 3 : 0;
     }
 
-    // For each kind of figure the limit with the most precise name, and of several such the last one.
+    static bool isStricter(const Limit& limit, const Limit& other) {
+        return traitsOf(limit.metric).isAtLeast ? limit.value > other.value : limit.value < other.value;
+    }
+
+    // For each kind of figure the limit with the most precise name, and of several such the strictest.
     std::vector<const Limit*> limitsOf(const LayerComparison& layer) const {
         std::vector<const Limit*> chosen;
         for (const Limit& limit : limits_) {
@@ -83,26 +96,42 @@ private:
             const auto same = std::ranges::find_if(chosen, [&](const Limit* other) {
                 return other->metric == limit.metric && other->parameter == limit.parameter;
             });
-            if (same == chosen.end())
+            if (same == chosen.end()) {
                 chosen.push_back(&limit);
-            else if (precision >= precisionOf(**same, layer))
-                *same = &limit;
+                continue;
+            }
+            const int other = precisionOf(**same, layer);
+            if (precision > other || (precision == other && isStricter(limit, **same))) *same = &limit;
         }
         return chosen;
     }
 
-    // Limits that name one channel of a layer of several.
-    bool checkChannels(const LayerComparison& layer) {
-        bool found = false;
+    // Limits that name one channel of a layer of several. Returns those channels.
+    std::set<std::string> checkChannels(const LayerComparison& layer) {
+        std::set<std::string> held;
         for (const ChannelComparison& channel : layer.channels) {
             if (channel.name == layer.name) continue;
             for (const Limit& limit : limits_) {
                 if (limit.where.empty() || !isNamed(channel.name, limit.where)) continue;
                 check(limit, channel.name, valueOf(limit, channel.figures));
-                found = true;
+                held.insert(channel.name);
             }
         }
-        return found;
+        return held;
+    }
+
+    // Channels that none of a layer's limits looks at: all but those with limits of their own, or, beside
+    // limits on what is seen, the opacity.
+    void checkOthersEqual(const LayerComparison& layer, const std::vector<const Limit*>& limits,
+                          const std::set<std::string>& held) {
+        const bool isSeenOnly = std::ranges::all_of(
+            limits, [](const Limit* limit) { return traitsOf(limit->metric).of == MetricOf::Colors; });
+        for (const ChannelComparison& channel : layer.channels) {
+            const bool isFree = limits.empty() || (isSeenOnly && isOpacity(layer, channel));
+            const Limit equal{Metric::Rmse, channel.name, 0.0, 0.0};
+            if (isFree && !held.contains(channel.name))
+                check(equal, channel.name, valueOf(equal, channel.figures));
+        }
     }
 
     void checkEqual(const LayerComparison& layer) {

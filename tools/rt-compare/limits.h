@@ -129,9 +129,11 @@ Limit parseLimit(Metric metric, const std::string& text);
 std::string metricName(const Limit& limit);
 
 /// Fills comparison.checks and adds a finding for each limit that does not hold or whose name no layer and no
-/// channel has. The limit with the most precise name counts: a layer's own, then "*", then none. A layer of
-/// colours without a limit must be equal, unless `tolerant`; another layer of numbers too, unless `tolerant`
-/// or some limit has no name; ids always. A limit that names a layer without such a figure is a finding.
+/// channel has. The limit with the most precise name counts: a layer's own, then "*", then none; of several
+/// with the same name the strictest. A layer of colours without a limit must be equal, unless `tolerant`;
+/// another layer of numbers too, unless `tolerant` or some limit has no name; ids always. So must
+/// channels of a layer of which only others have limits, and opacity beside limits on what is seen alone. A
+/// limit that names a layer without such a figure is a finding.
 void checkLimits(const std::vector<Limit>& limits, bool tolerant, Comparison& comparison);
 
 /// Whether a layer's or channel's name is meant by `where`: "Z" means "Z" and every part's "part/Z".

@@ -18,6 +18,7 @@ struct NoiseOptions {
 ///    probability is Student's with samples - 1 degrees of freedom (Welch 1947: no fewer). All pixels
 ///    together: Benjamini & Hochberg 1995. With a second seed, outliers count only where they are more than
 ///    the second render has itself against the other two, by a sign test: what any seed may do is no fault.
+///    What is farther from both other renders than these are anywhere by a factor that no noise reaches is.
 /// 2. Region by region, of every channel of numbers: d = a - b is symmetric round 0 if noise alone makes the
 ///    difference, however heavy its tails, as long as both took as many samples. So the sums D over squares
 ///    of 8x8 pixels have T = sum D / sqrt(sum D^2) with P(|T| >= t) <= 2 exp(-t^2 / 2) (Efron 1969, after
@@ -29,7 +30,8 @@ struct NoiseOptions {
 ///    either picture as often, so n such pixels of one square all in the same one have P <= 2^(1-n). What is
 ///    a thousandth of the level over all squares counts as a region.
 ///
-/// Channels that differ but have too few squares for the second test to tell anything do not pass.
+/// Channels that differ without anything to tell the noise of single pixels do not pass, nor do those that
+/// have too few squares for the second test to tell anything.
 /// Differences below 2^-16 of the values are rounding and count as none.
 /// Throws Error{InvalidContent} if the second render does not fit.
 NoiseTest testNoise(const PreparedPair& pair, const NoiseOptions& options, const Picture* second);

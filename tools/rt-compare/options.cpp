@@ -25,7 +25,8 @@ struct OptionTexts {
 void addLimits(CLI::App& app, OptionTexts& texts, Options& options) {
     const std::string group =
         "Limits: [NAME=]X of a layer (color, Z, albedo, ...), a channel (N.X) or all ('*'); "
-        "without NAME, of every layer of colors. By default all must be equal";
+        "without NAME, of every layer of colors; of several the strictest. What has none must be equal: by "
+        "default all, beside a channel's limit the layer's other channels, beside FLIP and SSIM opacity";
     for (std::size_t i = 0; i < kMetrics.size(); ++i)
         app.add_option(kMetrics[i].option, texts.limits[i], kMetrics[i].help)
             ->allow_extra_args(false)
@@ -53,10 +54,12 @@ void addVerdict(CLI::App& app, OptionTexts& texts, Options& options) {
         ->check(CLI::IsMember({"same"}).description(""))
         ->type_name("same")
         ->group(group);
-    app.add_flag("--noise", options.compare.noise.on,
-                 "Instead of wanting equal colors, test whether a and b, renders with two seeds, differ by "
-                 "more than "
-                 "noise: by their variance channels and samplesPerPixel, and region by region")
+    app.add_flag(
+           "--noise", options.compare.noise.on,
+           "Instead of wanting equal colors, test whether a and b, renders with two seeds, differ by "
+           "more than "
+           "noise: by their variance channels and samplesPerPixel, without which a difference fails, and "
+           "region by region")
         ->group(group);
     app.add_option("--second-seed", options.secondPath,
                    "As --noise, with the noise known from another render of b with a third seed; a folder "

@@ -54,6 +54,17 @@ FlipFigures figuresOf(const PooledErrors& pooled) {
     return figures;
 }
 
+// Explicit exposures may show nothing of any picture, and so no difference.
+bool areExposuresBlind(const LayerColors& colors, const ExposureRange& exposures) {
+    const auto isLit = [](const ColorPlanes& picture) {
+        return std::ranges::any_of(picture.planes, [](Values plane) {
+            return std::ranges::any_of(plane, [](float v) { return v > 0.0f; });
+        });
+    };
+    const ColorPlanes& seen = isLit(colors.b) ? colors.b : colors.a;
+    return isLit(seen) && !showsAnything(seen, exposures);
+}
+
 // The second picture is the reference.
 std::vector<float> addFlip(const LayerColors& colors, const std::vector<std::uint8_t>& ignored,
                            const PerceptionOptions& options, LayerComparison& layer) {
@@ -70,7 +81,10 @@ std::vector<float> addFlip(const LayerColors& colors, const std::vector<std::uin
         if (!ignored[i]) counted.push_back(map[i]);
         if (ignored[i]) map[i] = 0.0f;
     }
-    if (ignored.empty() || !counted.empty())
+    const bool isBlind = isHdr && options.exposures && areExposuresBlind(colors, *options.exposures);
+    if (isBlind)
+        exposures.note = "at none of the exposures the reference is neither black nor white; see --exposures";
+    if (!isBlind && (ignored.empty() || !counted.empty()))
         layer.flip = figuresOf(poolErrors(ignored.empty() ? Values(map) : Values(counted)));
     else
         layer.flip.emplace();

@@ -16,6 +16,9 @@ namespace {
 
 using Plane = std::vector<double>;
 
+/// So many times farther than the other renders no render is by noise: in a pixel; in all of 3x3 pixels.
+constexpr double kOutlier = 30.0, kOutlierOf9 = 6.0;
+
 /// Luminance of a color layer's side; empty if it has none.
 Plane luminancePlane(const LayerPair& layer, const ImageChannel* ChannelPair::*side) {
     const auto values = [&](const char* name) -> const std::vector<float>* {
@@ -48,6 +51,22 @@ Plane boxMean(const Plane& values, std::size_t width, int radius) {
         return out;
     };
     return alongLines(alongLines(values, height, width, width, 1), width, height, 1, width);
+}
+
+/// The least of 3x3 pixels; those beyond the border are left out.
+Plane leastAround(const Plane& values, std::size_t width) {
+    const auto least = [](const Plane& in, std::size_t i, std::size_t place, std::size_t length,
+                          std::size_t step) {
+        double value = in[i];
+        if (place > 0) value = std::min(value, in[i - step]);
+        if (place + 1 < length) value = std::min(value, in[i + step]);
+        return value;
+    };
+    Plane rows(values.size()), result(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) rows[i] = least(values, i, i % width, width, 1);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        result[i] = least(rows, i, i / width, values.size() / width, width);
+    return result;
 }
 
 /// |difference| in standard deviations of each pixel; pixels that cannot be tested are left out.
@@ -172,6 +191,34 @@ private:
         return zScores(difference, variance, scale(), region());
     }
 
+    /// How far `one` is at least from the other two; 0 where it is not compared.
+    Plane distances(const Plane& one, const Plane& other, const Plane& third) const {
+        Plane result(one.size());
+        for (std::size_t i = 0; i < one.size(); ++i) {
+            const double d = std::min(std::abs(one[i] - other[i]), std::abs(one[i] - third[i]));
+            if (region().isCompared(i) && std::isfinite(d) && d > kNoiseRounding * std::abs(one[i]))
+                result[i] = d;
+        }
+        return result;
+    }
+
+    /// Of three renders that differ by noise alone each is as likely as the others to be the farthest from
+    /// the other two. That one is so by far is left to no count: of single pixels, and of all in 3x3 pixels.
+    void findOutlier(const Plane& c) {
+        Plane ofA = distances(a_, b_, c), ofB = distances(b_, a_, c), ofC = distances(c, a_, b_);
+        for (const double ratio : {kOutlier, kOutlierOf9}) {
+            const auto farthest = std::ranges::max_element(ofA);
+            const double usual = std::max(std::ranges::max(ofB), std::ranges::max(ofC));
+            if (*farthest > ratio * usual && !result_.outlier) {
+                const auto i = static_cast<std::size_t>(farthest - ofA.begin());
+                const auto width = region().box.width();
+                result_.outlier = {region().box.x0 + static_cast<std::int32_t>(i % width),
+                                   region().box.y0 + static_cast<std::int32_t>(i / width), *farthest, usual};
+            }
+            for (Plane* const plane : {&ofA, &ofB, &ofC}) *plane = leastAround(*plane, region().box.width());
+        }
+    }
+
     void againstSecond() {
         const Plane c = secondLuminance();
         for (const auto& [plane, which] : {std::pair(&a_, "first"), {&b_, "second"}})
@@ -195,6 +242,7 @@ private:
                 boost::math::cdf(boost::math::complement(coin, static_cast<double>(found) - 1.0)) <= level_;
         }
         finish(scores, isMore ? found : 0);
+        if (!scores.empty()) findOutlier(c);
     }
 
     void finish(const std::vector<double>& scores, std::uint64_t significant) {

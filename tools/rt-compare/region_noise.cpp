@@ -41,8 +41,10 @@ public:
         }
         const double level = level_ / static_cast<double>(std::max<std::uint64_t>(result_.regions, 1));
         const double squaresNeeded = 2.0 * std::log(2.0 / level); // for a bias of all of them to be seen
-        for (const Seen& channel : seen_)
+        for (const Seen& channel : seen_) {
             if (channel.differs && channel.squares < squaresNeeded) result_.tooSmall.push_back(channel.name);
+            if (channel.differs && result_.pixels == 0) result_.untested.push_back(channel.name);
+        }
         std::erase_if(candidates_,
                       [&](const NoiseTest::Region& region) { return region.probability > level; });
         std::ranges::stable_sort(candidates_, {}, &NoiseTest::Region::probability);
