@@ -149,7 +149,8 @@ public:
                                      forScreen(std::move(*screen_), options.toneMap, options.exposureStops)),
                          recipes_.merge);
         std::vector<OutputFile> files;
-        for (const std::string& path : options.outputPaths) files.push_back({path, {isPng(path) ? png : exr}});
+        for (const std::string& path : options.outputPaths)
+            files.push_back({path, {isPng(path) ? png : exr}});
         writeFiles(files);
     }
 

@@ -15,9 +15,9 @@ std::vector<RecipeInput> inputsOf(const TraceOptions& options) {
 }
 
 std::string makingOf(const CLI::App& app, const TraceOptions& options, bool wholePicture) {
-    std::vector<std::string> neutral{
-        "scene",        "--rays",           "--camera-path", "--device",         "--resume",
-        "--checkpoint", "--frames",         "--max-gpu-memory", "--explain",     "--no-shader-cache"};
+    std::vector<std::string> neutral{"scene",     "--rays",           "--camera-path", "--device",
+                                     "--resume",  "--checkpoint",     "--frames",      "--max-gpu-memory",
+                                     "--explain", "--no-shader-cache"};
     if (isEnvironmentFile(options.environment)) neutral.push_back("--environment");
     if (wholePicture) neutral.insert(neutral.end(), {"--shard", "--shard-by"});
     return makingOf(app, options.common, neutral) + (options.device == "software" ? "\nsoftware" : "");
@@ -29,7 +29,8 @@ Recipe recipeOfFrame(const Recipe& recipe, unsigned frame) {
 
 Recipe recipeOfReport(const TraceOptions& options) {
     if (!options.frames || !options.recipe.isKnown()) return options.recipe;
-    return Recipe(fmt::format("{}\nframes {}-{}", options.recipe.text(), options.frames->first, options.frames->last));
+    return Recipe(
+        fmt::format("{}\nframes {}-{}", options.recipe.text(), options.frames->first, options.frames->last));
 }
 
 bool isUpToDate(const TraceOptions& options) {
@@ -41,7 +42,8 @@ bool isUpToDate(const TraceOptions& options) {
             outputs.push_back({framePath(path, static_cast<unsigned>(frame)).value_or(path),
                                recipeOfFrame(options.recipe, static_cast<unsigned>(frame))});
     }
-    if (!options.common.jsonPath.empty()) outputs.push_back({options.common.jsonPath, recipeOfReport(options)});
+    if (!options.common.jsonPath.empty())
+        outputs.push_back({options.common.jsonPath, recipeOfReport(options)});
     return isUpToDate(options.common, outputs);
 }
 

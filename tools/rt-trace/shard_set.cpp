@@ -52,8 +52,9 @@ ShardFile openShard(const std::string& path) {
                      ": is no shard of a picture: it lacks the attribute rt:shard; render it with --shard");
     file.record = *record;
     if (isSealBroken(file.bytes))
-        throwInvalid(name + ": is damaged, or was changed after it was rendered: its bytes do not have the hash in "
-                            "its attribute rt:recipe; render this shard again");
+        throwInvalid(name +
+                     ": is damaged, or was changed after it was rendered: its bytes do not have the hash in "
+                     "its attribute rt:recipe; render this shard again");
     checkWindow(file);
     return file;
 }
