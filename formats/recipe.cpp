@@ -77,7 +77,8 @@ std::size_t sealOf(std::size_t mark) {
 }
 
 bool hasGoodSeal(Bytes bytes, std::size_t mark) {
-    return textOf(bytes).substr(sealOf(mark), kSealDigits) == hexOf(hashWithout(bytes, sealOf(mark), kSealDigits));
+    return textOf(bytes).substr(sealOf(mark), kSealDigits) ==
+           hexOf(hashWithout(bytes, sealOf(mark), kSealDigits));
 }
 
 void seal(std::span<std::byte> bytes, const Recipe& recipe) {
