@@ -51,11 +51,11 @@ ShardFile openShard(const std::string& path) {
         throwInvalid(name +
                      ": is no shard of a picture: it lacks the attribute rt:shard; render it with --shard");
     file.record = *record;
+    checkWindow(file);
     if (isSealBroken(file.bytes))
         throwInvalid(name +
                      ": is damaged, or was changed after it was rendered: its bytes do not have the hash in "
                      "its attribute rt:recipe; render this shard again");
-    checkWindow(file);
     return file;
 }
 
