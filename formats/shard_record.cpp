@@ -19,14 +19,13 @@ constexpr const char* kWindow = "rt:shardWindow";
 constexpr const char* kSamples = "rt:shardSamples";
 constexpr const char* kSettings = "rt:shardSettings";
 constexpr const char* kHash = "rt:shardHash";
-constexpr std::array<const char*, 2> kKindNames = {"parts", "samples"};
 
 std::map<std::string, std::string> textsOf(const ShardRecord& record) {
     std::string settings;
     for (const ShardRecord::Setting& setting : record.settings)
         settings += fmt::format("{}{}={:016x}", settings.empty() ? "" : ";", setting.name, setting.hash);
     return {{kIndex, fmt::format("{}/{}", record.index, record.count)},
-            {kKind, kKindNames[static_cast<std::size_t>(record.kind)]},
+            {kKind, kShardKindNames[static_cast<std::size_t>(record.kind)]},
             {kWindow, fmt::format("{}", fmt::join(record.window, ","))},
             {kSamples, fmt::format("{}", record.samples)},
             {kSettings, settings}};
@@ -75,8 +74,8 @@ bool readIndex(TextReader text, ShardRecord& record) {
 }
 
 bool readKind(TextReader text, ShardRecord& record) {
-    record.kind = text.rest() == kKindNames[1] ? ShardKind::Samples : ShardKind::Parts;
-    return text.rest() == kKindNames[static_cast<std::size_t>(record.kind)];
+    record.kind = text.rest() == kShardKindNames[1] ? ShardKind::Samples : ShardKind::Parts;
+    return text.rest() == kShardKindNames[static_cast<std::size_t>(record.kind)];
 }
 
 bool readWindow(TextReader text, ShardRecord& record) {

@@ -19,6 +19,8 @@ enum class ShardKind {
     Parts,   ///< some of its rows, with all samples
     Samples, ///< all of its pixels, with some samples of each
 };
+/// As files and options call them, by their numbers.
+inline constexpr std::array<const char*, 2> kShardKindNames = {"parts", "samples"};
 
 /// What the EXR of a shard says beside what the picture's own says: as attributes named rt:shard..., which
 /// the merged picture does not have.

@@ -187,7 +187,7 @@ void requireMemory(const MergeOptions& options, const Image& header) {
 nlohmann::json reportOf(const std::vector<ShardFile>& files, const Image& header, const StageTimer& stages) {
     nlohmann::json report = {{"tool", "rt-trace merge"},
                              {"shards", files.size()},
-                             {"shardBy", files[0].record.kind == ShardKind::Parts ? "parts" : "samples"},
+                             {"shardBy", kShardKindNames[static_cast<std::size_t>(files[0].record.kind)]},
                              {"width", header.width},
                              {"height", header.height},
                              {"samplesPerPixel", header.ints.at("samplesPerPixel")}};

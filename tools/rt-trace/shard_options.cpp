@@ -7,13 +7,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 
 namespace rt {
 namespace {
-
-constexpr std::array<const char*, 2> kKindNames = {"parts", "samples"}; // as the enumerators of ShardKind
 
 [[noreturn]] void throwUsage(const std::string& message) {
     throw Error(ErrorKind::Usage, message);
@@ -73,8 +70,8 @@ void addShardOptions(CLI::App& app, ShardTexts& texts) {
             ->type_name("i/n"),
         app.add_option("--shard-by", texts.kind,
                        "What a shard has: rows of the picture, or some of each pixel's samples")
-            ->check(oneOf(listOf(kKindNames)))
-            ->type_name(fmt::format("{}", fmt::join(kKindNames, "|")))
+            ->check(oneOf(listOf(kShardKindNames)))
+            ->type_name(fmt::format("{}", fmt::join(kShardKindNames, "|")))
             ->capture_default_str(),
     };
     for (CLI::Option* option : added) option->group("Pictures: shards");
@@ -85,7 +82,7 @@ void convertShard(const ShardTexts& texts, TraceOptions& options) {
     options.range = {0, options.samples};
     if (texts.shard.empty()) return;
     Shard shard = parseShard(texts.shard);
-    shard.kind = static_cast<ShardKind>(indexIn(kKindNames, texts.kind));
+    shard.kind = static_cast<ShardKind>(indexIn(kShardKindNames, texts.kind));
     requireSharable(shard, options);
     requireEnough(shard, options);
     options.shard = shard;
