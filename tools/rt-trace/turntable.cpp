@@ -19,6 +19,7 @@ glm::dvec3 turnedEye(const CameraPose& pose, double degrees) {
 
 CameraPose placeTurntable(const CameraRequest& request, const BoundsD& scene, double aspect) {
     CameraPose first = placeCamera(request, scene, aspect);
+    if (request.eye && (request.height || first.view != kOrthographicView)) return first; // nothing to fit
     double distance = glm::distance(first.eye, first.lookAt);
     double height = first.height;
     for (int view = 1; view < kViewsToFit; ++view) {
