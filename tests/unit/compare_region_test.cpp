@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace rt::test {
 namespace {
@@ -15,8 +14,6 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(CompareRegion, CropsIgnoredRectanglesAndMasksHideWhatTheyShould) {
     const Picture other = withValue(2, 3 * 20 + 7, kNan); // x 7, y 3
