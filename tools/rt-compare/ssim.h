@@ -32,8 +32,8 @@ class SsimPyramid;
 
 /// Structural similarity, 1 for equal planes, of windows that lie whole in the picture: their mean, or 1
 /// where no pixel counts. In the map, pixels nearer to the edge than a window has room for repeat the nearest
-/// that is not. In single precision, within 1e-6 of the mean and 2e-5 of a pixel in double; the same bits for
-/// any number of threads. Sources: Wang et al. 2004, "Image Quality Assessment: From Error Visibility to
+/// that is not. In single precision, within 1e-6 of the mean in double; the same bits for any
+/// number of threads. Sources: Wang et al. 2004, "Image Quality Assessment: From Error Visibility to
 /// Structural Similarity"; Wang et al. 2003, "Multi-scale Structural Similarity for Image Quality
 /// Assessment".
 class SsimMeter {
