@@ -21,10 +21,9 @@ enum class Kernel { Compute, Multipass };
 /// What the command line of rt-trace asks for.
 struct TraceOptions {
     CommonOptions common;
-    Recipe recipe; ///< that the pictures and their report are to carry
-    std::string
-        wholeMaking; ///< of a shard that is a part: the making and, later, the recipe of the whole picture
-    Recipe wholeRecipe;
+    Recipe recipe;           ///< that the pictures and their report are to carry
+    std::string wholeMaking; ///< makingOf() the whole picture that a shard is a part of; else empty
+    Recipe wholeRecipe;      ///< of that picture
     bool listDevices = false;
     bool listCameras = false;
     bool explain = false;
