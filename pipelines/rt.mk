@@ -4,7 +4,7 @@
 #   hall.rtmesh: RT_MODELS = a/b.obj c.ply                or of these
 #   hall.rtatlas: hall.rtmesh                             an atlas of a mesh
 #   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
-#   view.passed: view.exr goldens/view.exr                two pictures compared; stays away as long as they differ
+#   view.passed: view.exr goldens/view.exr                two pictures compared; is not there as long as they differ
 #   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
 #
 # FILE.json holds the figures of each step. Every step is called each time, and does nothing where its inputs, options and tool
@@ -22,7 +22,8 @@ rt_comma := ,
 rt_bin := $(if $(RT_TOOLS_DIR),$(RT_TOOLS_DIR:%/=%)/)
 rt_common = --json $@.json --depfile $@.d --if-changed
 # The prerequisites of a kind; there must be some.
-rt_inputs = $(or $(filter $(1),$^),$(error $@ is missing, and no $(1) is named as what it is made of))
+rt_inputs = $(or $(filter $(1),$^),$(error $@ is missing, and no $(1) is named as what it is made of$(2)))
+rt_golden_hint = ; if it is a golden: look at the new picture and copy it there (update-goldens in the examples)
 # 0012 for NAME.0012.exr
 rt_frame = $(shell expr "$(suffix $*)" : '[.]\([0-9][0-9]*\)$$')
 rt_models = $(or $(RT_MODELS),$(filter-out rt-always,$<),$(error $@: no model of its name, and no RT_MODELS))
@@ -44,9 +45,10 @@ rt_trace = set -- $(subst $(rt_comma), ,$(RT_DEVICES)); shift $$(expr 0$(rt_fram
 	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(filter %.rtatlas,$^) -o $*.exr -o $*.png --device $$1 \
 	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
 %.exr %.png: rt-always
-	@$(if $(filter %.rtatlas,$^)$(if $(wildcard $@),,missing),$(if $(call rt_inputs,%.rtatlas),$(rt_trace)),:)
+	@$(if $(filter %.rtatlas,$^)$(if $(wildcard $@),,missing),$(if $(call rt_inputs,%.rtatlas,$(rt_golden_hint)),$(rt_trace)),:)
 
 %.passed: rt-always
+	@rm -f $@
 	$(rt_bin)rt-compare $(call rt_inputs,%.exr) --json $*.json --html $*.html --if-changed $(RT_COMPARE_FLAGS)
 	@touch $@
 

@@ -58,9 +58,9 @@ protected:
                                     steps);
     }
 
-    CommandResult configure(const std::string& devices = "software") {
+    CommandResult configure(const std::string& devices = "software", const std::string& tools = RT_BIN_DIR) {
         return runCommand({CMAKE_PATH, "-G", "Ninja", "-S", folder_.file("."), "-B", folder_.file("build"),
-                           "-DRT_TOOLS_DIR=" RT_BIN_DIR, "-DRT_DEVICES=" + devices});
+                           "-DRT_TOOLS_DIR=" + tools, "-DRT_DEVICES=" + devices});
     }
 
     CommandResult build(const std::string& target = "all") {
@@ -140,6 +140,14 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
     expectRefused("rt_add_comparison(c A nothing B scene)\n", "scene is no rt_add_render");
 }
 
+TEST_F(CMakePipeline, MissingToolsAreNamedAndFoundWhereTheyAreNext) {
+    const CommandResult result = configure("software", folder_.file("nowhere"));
+    EXPECT_NE(result.exitCode, 0);
+    EXPECT_THAT(result.err, HasSubstr("rt-import is not in PATH or RT_TOOLS_DIR"));
+    EXPECT_THAT(result.err, HasSubstr("-D RT_TOOLS_DIR="));
+    EXPECT_EQ(configure().exitCode, 0);
+}
+
 TEST_F(CMakePipeline, FramesAreSharedByDevicesAndHeldAgainstGoldens) {
     writeSteps("rt_add_atlas(atlas SCENE scene)\n"
                "rt_add_render(turn ATLAS atlas SIZE 16x8 FRAMES 9-11 ARGS --turntable 12)\n"
@@ -187,11 +195,13 @@ TEST_F(MakePipeline, FramesAreHeldAgainstGoldens) {
     const CommandResult noGoldens = make("test");
     EXPECT_NE(noGoldens.exitCode, 0);
     EXPECT_THAT(noGoldens.err, HasSubstr("goldens/turn.0008.exr is missing"));
+    EXPECT_THAT(noGoldens.err, HasSubstr("update-goldens"));
     const CommandResult updated = make("update-goldens");
     ASSERT_EQ(updated.exitCode, 0) << updated.out << updated.err;
     const CommandResult tested = make("test");
     EXPECT_EQ(tested.exitCode, 0) << tested.out << tested.err;
     EXPECT_THAT(make("test").err, Not(HasSubstr("Mrays"))); // all is looked at, nothing made
+    EXPECT_TRUE(std::filesystem::exists(folder_.file("turn.0009.passed")));
 
     touch("model.obj");
     const CommandResult touched = make("test");
@@ -209,6 +219,7 @@ TEST_F(MakePipeline, FramesAreHeldAgainstGoldens) {
     const CommandResult changed = make("test");
     EXPECT_NE(changed.exitCode, 0);
     EXPECT_THAT(changed.out, HasSubstr("verdict: fail"));
+    EXPECT_FALSE(std::filesystem::exists(folder_.file("turn.0008.passed")));
 }
 
 TEST_F(MakePipeline, AFrameIsThatOfADirectCall) {
