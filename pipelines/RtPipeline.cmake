@@ -71,6 +71,7 @@ endfunction()
 
 function(rt_add_scene name)
     _rt_parse("" "MODELS" "MODELS" ${ARGN})
+    set(models "") # the caller may have such a variable
     foreach(model IN LISTS ARG_MODELS)
         cmake_path(ABSOLUTE_PATH model BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
         list(APPEND models ${model})
@@ -99,6 +100,7 @@ endfunction()
 function(rt_add_render name)
     _rt_parse("ATLAS;SIZE;CAMERA;FRAMES;SAMPLES" "PASSES" "ATLAS;SIZE" ${ARGN})
     set(options --size ${ARG_SIZE} --stats --reproducible ${ARG_ARGS})
+    set(files "")
     if(ARG_CAMERA)
         list(APPEND options --camera ${ARG_CAMERA})
     endif()
@@ -184,6 +186,7 @@ endfunction()
 
 # Sets `files` to the EXR files of a render.
 function(_rt_files_of files render)
+    set(of_render "")
     if(TARGET ${render})
         get_target_property(of_render ${render} RT_FILES)
     endif()

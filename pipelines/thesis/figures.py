@@ -1,4 +1,4 @@
-"""Draws what measure.py has measured, the counterparts of the thesis' figures 4 to 8, and writes its tables:
+"""Draws what collect.py has put together, the counterparts of the thesis' figures 4 to 8, and writes its tables:
 figures.py OUT [README.md, of which the tables are replaced and beside which the pictures are put]"""
 import csv
 import math
@@ -25,11 +25,11 @@ SHOWN = {
 
 
 class Measured:
-    """The rows that have a time, by what they are of."""
+    """The rows, by what they are of."""
 
     def __init__(self, path):
         with open(path, newline="", encoding="utf-8") as file:
-            self.rows = [row for row in csv.DictReader(file) if row["ms"]]
+            self.rows = list(csv.DictReader(file))
         self.by_case = {tuple(row[key] for key in ("scene", "structure", "grid", "kernel", "size")): row for row in self.rows}
         self.scenes = self.values("scene")
         self.kernels = [kernel for kernel in KERNELS if kernel in self.values("kernel")]
@@ -79,7 +79,7 @@ def sparse(measured):
     """Clusters are grids; ours has one of its own."""
     rows = [row for row in measured.rows if row["scene"] == SPARSE and row["size"] == measured.sizes[-1]]
     shown = [(f"Figure 8: time, {kernel}", "ms a frame", "ms", kernel) for kernel in measured.kernels]
-    shown.append(("Steps", "steps per ray", "steps_per_ray", "compute"))
+    shown.append(("Steps", "steps per ray", "steps_per_ray", measured.kernels[0]))
     panels = []
     for title, unit, key, kernel in shown:
         values = {(f"{row['grid']}^3" if row["grid"] else "its own", row["structure"]): float(row[key])
@@ -98,7 +98,7 @@ def all_figures(measured):
 
 def contact_sheet(measured, pictures, path):
     """Figures 4 and 9: a picture of each scene, under its name, four in a row. The paths written: none without pictures."""
-    scenes = [scene for scene in measured.scenes if (pictures / f"{scene}.png").exists()]
+    scenes = [scene for scene in measured.scenes if (pictures / f"{scene}-picture.png").exists()]
     if not scenes:
         return []
     columns, side, title = 4, 300, 34
@@ -113,7 +113,7 @@ def contact_sheet(measured, pictures, path):
             f"set lmargin at screen {(left + 4) / width}", f"set rmargin at screen {(left + side - 4) / width}",
             f"set tmargin at screen {1 - (top + title) / height}", f"set bmargin at screen {1 - (top + title + side - 8) / height}",
             f"set title {plot.quoted(f'{scene}: {triangles:,} triangles')} offset 0,-0.6",
-            f"plot {plot.quoted(str(pictures / f'{scene}.png'))} binary filetype=png with rgbimage",
+            f"plot {plot.quoted(str(pictures / f'{scene}-picture.png'))} binary filetype=png with rgbimage",
         ]  # fmt: skip
     subprocess.run(["gnuplot"], input="\n".join([*lines, "unset multiplot", ""]), text=True, check=True)
     return [path]
@@ -205,13 +205,11 @@ def write(out):
     """tables.md, and the pictures where there is gnuplot; their paths."""
     out = pathlib.Path(out)
     measured = Measured(out / "thesis.csv")
-    if not measured.rows:
-        return []
     (out / "tables.md").write_text(tables(measured), encoding="utf-8")
     if shutil.which("gnuplot") is None:
         print("no plots: gnuplot is not installed; later: figures.py OUT", file=sys.stderr)
         return [out / "tables.md"]
-    return [out / "tables.md", *contact_sheet(measured, out / "pictures", out / "scenes.png"),
+    return [out / "tables.md", *contact_sheet(measured, out, out / "scenes.png"),
             *plot.draw_figures(all_figures(measured), out)]  # fmt: skip
 
 

@@ -1,17 +1,23 @@
 #!/bin/sh
-# Builds what is missing and measures:
-#     run.sh [OUT [options of measure.py]]
-# OUT is build/thesis if not given.
+# Measures the thesis' scenes, see README.md:
+#     run.sh [OUT [-D VARIABLE=VALUE ...]]
+# OUT is build/thesis if not given. Tools are those in $RT_TOOLS_DIR; if that is not set they are built here.
 set -eu
-repository=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd)
-tools=$repository/build/release
-out=$repository/build/thesis
-if [ $# -gt 0 ]; then
-    out=$1
-    shift
-fi
+here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
+repository=${here%/*/*}
+out=${1-$repository/build/thesis}
+[ $# -eq 0 ] || shift
+tools=${RT_TOOLS_DIR:-$repository/build/release/bin}
 
-sh "$repository/pipelines/install_packages.sh"
-[ -f "$tools/build.ninja" ] || (cd -- "$repository" && cmake --preset release)
-cmake --build "$tools" --target rt-import rt-grid rt-trace rt-compare
-exec python3 -B "$repository/pipelines/thesis/measure.py" --tools "$tools/bin" --out "$out" "$@"
+if [ -z "${RT_TOOLS_DIR-}" ]; then
+    sh "$repository/pipelines/install_packages.sh"
+    [ -f "$repository/build/release/build.ninja" ] || (cd -- "$repository" && cmake --preset release)
+    cmake --build "$repository/build/release" --target rt-import rt-grid rt-trace rt-compare
+fi
+cmake -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="$tools" "$@"
+status=0 # whatever fails, the rest is measured and written
+cmake --build "$out" -j 1 -- -k 0 || status=1 # one step at a time: others would slow it down
+ctest --test-dir "$out" --output-on-failure --no-tests=error -j "$(nproc)" || status=1
+python3 -B "$here/collect.py" "$out"
+python3 -B "$here/figures.py" "$out"
+exit $status

@@ -54,6 +54,7 @@ protected:
     void writeSteps(const std::string& steps) {
         write("CMakeLists.txt", "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
                                 "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n"
+                                "set(models mine)\nset(files mine)\nset(of_render mine)\n"
                                 "rt_add_scene(scene MODELS model.obj)\n" +
                                     steps);
     }
