@@ -1,5 +1,7 @@
 # Every triangle test in every precision, measured against the exact one through the first variant: rays through all variants,
 # pictures through the first.
+set(exact --intersect watertight --precision double)
+
 function(start_tables)
     set(case scene,structure,options,intersect,precision)
     file(WRITE ${out}/${scene}.errors.csv "${case},set,atlas,step\n")
@@ -49,6 +51,14 @@ function(measure_pictures)
         compare_step(${step} "${pictures}" COMMAND ${RT_COMPARE} ${pictures} --max-rmse *=1e30 -q) # figures, no verdict
         file(APPEND ${out}/${scene}.pictures.csv "${case},${spp},${RT_PICTURE_SIZE},${RT_PICTURE_SIZE},${atlas},${step}\n")
     endforeach()
+endfunction()
+
+# compare_step(NAME INPUTS COMMAND ...): figures of a step's output, NAME-compared.json.
+function(compare_step name inputs)
+    set(report ${out}/${name}-compared.json)
+    add_custom_command(OUTPUT ${report} ${ARGN} --json ${report} DEPENDS ${inputs} COMMENT "Comparing ${name}" VERBATIM)
+    add_custom_target(${name}-compared DEPENDS ${report})
+    add_dependencies(${scene}-all ${name}-compared)
 endfunction()
 
 # add_picture(NAME k options of rt-trace...): NAME.exr at k times the size, averaged to NAME-small.exr.
