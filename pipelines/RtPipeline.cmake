@@ -6,28 +6,35 @@
 #   rt_add_atlas(NAME SCENE scene [STRUCTURE s] [QUALITY q] [RESOLUTION r] [ARGS ...])         NAME.rtatlas
 #   rt_add_render(NAME ATLAS atlas SIZE WxH [CAMERA c] [FRAMES A-B] [SAMPLES n] [PASSES p...] [ARGS ...])
 #                                           NAME.exr and NAME.png; with FRAMES NAME.0001.exr, ... and no NAME.exr
+#   rt_add_query(NAME ATLAS atlas RAYS file [ARGS ...])                NAME.hits, what rt-trace --rays finds for these rays
 #   rt_add_comparison(NAME A render B render [MAX_RMSE x] [ARGS ...])
 #                                           a CTest test with NAME.json and NAME.html; of frames NAME.0001, ...
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
 #                                           the same; the target update_goldens takes the renders for the goldens
 #
 # Functions of one pipeline are called in one folder. RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders
-# frames side by side, one on each device at a time.
+# frames side by side, one on each device at a time; what has no frames is the first device's.
 cmake_minimum_required(VERSION 3.25)
 
 set(RT_TOOLS_DIR "" CACHE PATH "Folder with the tools; searched in PATH if empty")
 set(RT_DEVICES "auto" CACHE STRING "Devices to render on, as rt-trace --device takes them, with commas between them")
-foreach(tool IN ITEMS import grid trace compare)
-    string(TOUPPER RT_${tool} variable)
+# rt_find_tool(VARIABLE name): a program of that folder.
+function(rt_find_tool variable name)
+    set(only_there "")
     if(RT_TOOLS_DIR)
-        find_program(${variable} rt-${tool} PATHS ${RT_TOOLS_DIR} NO_DEFAULT_PATH NO_CACHE)
-    else()
-        find_program(${variable} rt-${tool} NO_CACHE)
+        set(only_there PATHS ${RT_TOOLS_DIR} NO_DEFAULT_PATH)
     endif()
+    find_program(${variable} ${name} ${only_there} NO_CACHE)
     if(NOT ${variable})
-        message(FATAL_ERROR "rt-${tool} is not in PATH or RT_TOOLS_DIR (${RT_TOOLS_DIR}).\n"
+        message(FATAL_ERROR "${name} is not in PATH or RT_TOOLS_DIR (${RT_TOOLS_DIR}).\n"
                             "Name the folder of the tools: -D RT_TOOLS_DIR=/path/to/build/release/bin")
     endif()
+    set(${variable} ${${variable}} PARENT_SCOPE)
+endfunction()
+
+foreach(tool IN ITEMS import grid trace compare)
+    string(TOUPPER RT_${tool} variable)
+    rt_find_tool(${variable} rt-${tool})
 endforeach()
 enable_testing()
 
@@ -61,9 +68,12 @@ endfunction()
 function(_rt_step name tool pool)
     cmake_parse_arguments(PARSE_ARGV 3 STEP "" "" "OUTPUTS;INPUTS;ARGS")
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
+    if(NOT "--rays" IN_LIST STEP_ARGS) # hits do not say what they were made of
+        list(APPEND STEP_ARGS --if-changed)
+    endif()
     add_custom_command(
         OUTPUT ${STEP_OUTPUTS} ${base}.json
-        COMMAND ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d --if-changed
+        COMMAND ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d
         DEPENDS ${STEP_INPUTS} ${tool}
         DEPFILE ${base}.d
         COMMENT "Making ${name}" JOB_POOL ${pool} VERBATIM)
@@ -140,6 +150,17 @@ function(_rt_picture file name atlas device)
     _rt_step(${name} ${RT_TRACE} rt_device_${device} OUTPUTS ${base}.exr ${base}.png INPUTS ${atlas_file}
              ARGS ${atlas_file} -o ${base}.exr -o ${base}.png --device ${device_name} ${ARGN})
     set(${file} ${base}.exr PARENT_SCOPE)
+endfunction()
+
+function(rt_add_query name)
+    _rt_parse("ATLAS;RAYS" "" "ATLAS;RAYS" ${ARGN})
+    cmake_path(ABSOLUTE_PATH ARG_RAYS BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
+    set(hits ${CMAKE_CURRENT_BINARY_DIR}/${name}.hits)
+    set(atlas ${CMAKE_CURRENT_BINARY_DIR}/${ARG_ATLAS}.rtatlas)
+    list(GET RT_DEVICES 0 device)
+    _rt_step(${name} ${RT_TRACE} rt_device_0 OUTPUTS ${hits} INPUTS ${atlas} ${ARG_RAYS}
+             ARGS ${atlas} --rays ${ARG_RAYS} -o ${hits} --device ${device} ${ARG_ARGS})
+    add_custom_target(${name} ALL DEPENDS ${hits})
 endfunction()
 
 function(rt_add_comparison name)

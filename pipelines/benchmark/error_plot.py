@@ -1,4 +1,4 @@
-"""Draws errors.{svg,png} and pictures.{svg,png} with gnuplot, for error.py and error_page.py."""
+"""Draws errors.{svg,png} and pictures.{svg,png} with gnuplot, for error_page.py."""
 import csv
 import math
 import pathlib

@@ -1,22 +1,46 @@
 #!/bin/sh
-# Builds what is missing and runs the benchmark, or that of time against error:
-#     run.sh [error] [OUT [options of run.py or error.py]]
-# OUT is build/benchmark if not given.
+# Builds what is missing and measures, or with `error` time against error; results in OUT, or build/benchmark(-error):
+#     run.sh [error] [OUT] [-D VARIABLE=VALUE ...]
+# With RT_TOOLS_DIR, a folder of built programs, nothing is installed or built. Variables: CMakeLists.txt
 set -eu
-repository=$(CDPATH= cd -- "$(dirname -- "$0")/../.." && pwd)
-tools=$repository/build/release
+here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
+repository=$(dirname -- "$(dirname -- "$here")")
 out=$repository/build/benchmark
-script=run.py
+errors=OFF
 if [ "${1-}" = error ]; then
-    script=error.py
+    errors=ON
+    out=$out-error
     shift
 fi
-if [ $# -gt 0 ]; then
-    out=$1
-    shift
-fi
+case ${1--} in
+-*) ;;
+*) out=$1; shift ;;
+esac
 
-sh "$repository/pipelines/install_packages.sh"
-[ -f "$tools/build.ninja" ] || (cd -- "$repository" && cmake --preset release)
-cmake --build "$tools" --target rt-import rt-grid rt-trace rt-compare rt_make_rays rt_check_hits rt_measure_hits rt_box_filter
-exec python3 -B "$repository/pipelines/benchmark/$script" --tools "$tools/bin" --out "$out" "$@"
+if [ -z "${RT_TOOLS_DIR-}" ]; then
+    build=$repository/build/release
+    RT_TOOLS_DIR=$build/bin
+    sh "$repository/pipelines/install_packages.sh"
+    [ -f "$build/build.ninja" ] || (cd -- "$repository" && cmake --preset release)
+    cmake --build "$build" --target rt-import rt-grid rt-trace rt-compare rt_make_rays rt_check_hits rt_measure_hits rt_box_filter
+fi
+mkdir -p -- "$out"
+if grep -s RT_ERRORS: "$out/CMakeCache.txt" | grep -qv "=$errors"; then
+    echo "run.sh: $out has results of the other benchmark; name another folder" >&2
+    exit 1
+fi
+tools=$(realpath -- "$RT_TOOLS_DIR")
+cmake --fresh -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="$tools" -D RT_ERRORS=$errors "$@"
+
+cd -- "$out"
+# One step at a time, since they are measured; the others go on where one fails: collect.py lists what did. What is large
+# goes away with each scene, and what was measured before is measured again.
+while read -r scene; do
+    rm -rf "$scene" "$scene"-*
+    {
+        cmake --build . --target "$scene-all" -j 1 -- -k 0 || :
+        [ $errors = ON ] || ctest -L "^$scene\$" --output-on-failure || :
+    } </dev/null 2>&1 | tee "$scene.log"
+    rm -f "$scene"/*.rays "$scene"/*.hits "$scene"-*.hits "$scene"-*.rtatlas "$scene"-*.exr
+done < scenes.txt
+exec python3 -B "$here/collect.py" .

@@ -1,5 +1,6 @@
 // Compares the hits that rt-trace found with those that rt_make_rays wrote; exit code 1 if they differ:
-//     rt_check_hits expected.hits got.hits --rays x.rays --mesh scene.rtmesh [--any-hit] [--allow N]
+//     rt_check_hits expected.hits got.hits --rays x.rays --mesh scene.rtmesh [--any-hit] [--allow-per-million
+//     N]
 #include "common/binary_io.h"
 #include "common/command_line.h"
 #include "common/error.h"
@@ -27,7 +28,7 @@ struct Options {
     CommonOptions common;
     std::string expectedPath, gotPath, raysPath, meshPath;
     bool anyHit = false;
-    std::uint64_t allow = 0;
+    double allowPerMillion = 0.0;
 };
 
 bool parse(int argc, const char* const* argv, Options& options) {
@@ -43,7 +44,9 @@ bool parse(int argc, const char* const* argv, Options& options) {
                    "Their scene: then silhouettes, where rounding decides, pass too")
         ->type_name("scene.rtmesh");
     app.add_flag("--any-hit", options.anyHit, "Compare hit and miss only");
-    app.add_option("--allow", options.allow, "Lost, extra and wrong hits that still pass")
+    app.add_option("--allow-per-million", options.allowPerMillion,
+                   "Lost, extra and wrong hits per million rays that still pass")
+        ->check(CLI::Range(0.0, 1e6))
         ->capture_default_str();
     return parseCommandLine(app, argc, argv, options.common);
 }
@@ -90,9 +93,13 @@ int checkHits(int argc, const char* const* argv) {
                     fmt::format("{}: {} rays, but {} expected hits and {} to judge", options.raysPath,
                                 traced.rays.size(), traced.expected.size(), traced.got.size()));
     const HitCounts counts = judge(options, traced);
-    if (!options.common.jsonPath.empty()) writeJson(options.common.jsonPath, toJson(counts));
+    const bool passes = static_cast<double>(counts.faults.size()) <=
+                        options.allowPerMillion * 1e-6 * static_cast<double>(counts.rays);
+    nlohmann::json report = toJson(counts);
+    report["verdict"] = passes ? "pass" : "fail"; // as rt-compare says it
+    if (!options.common.jsonPath.empty()) writeJson(options.common.jsonPath, report);
     if (!options.common.quiet && options.common.jsonPath != "-") writeFile("-", summaryOf(counts));
-    return counts.faults.size() <= options.allow ? 0 : 1;
+    return passes ? 0 : 1;
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// pipelines/benchmark/error.py in its reduced form, on a scene that needs no model from elsewhere.
+// pipelines/benchmark/run.sh error in its reduced form, on a scene that needs no model from elsewhere.
 #include "tests/support/make_mesh.h"
 #include "tests/support/read_csv.h"
 #include "tests/support/read_text.h"
@@ -33,15 +33,20 @@ protected:
         for (const glm::uvec3& t : mesh.triangles) file << "3 " << t.x << ' ' << t.y << ' ' << t.z << '\n';
     }
 
-    CommandResult run(const std::vector<std::string>& arguments) {
-        std::vector<std::string> argv = {PYTHON_PATH, "-B", RT_SOURCE_DIR "/pipelines/benchmark/error.py"};
-        for (const std::string argument :
-             {"--tools", RT_BIN_DIR, "--out", out_.c_str(), "--device", "software", "--reduced", "--size",
-              "64", "--repeat", "0", "--picture-size", "16"})
-            argv.push_back(argument);
-        argv.push_back("--scenes-dir");
-        argv.push_back(folder_.file("scenes"));
-        argv.insert(argv.end(), arguments.begin(), arguments.end());
+    CommandResult run(const std::vector<std::string>& variables) {
+        std::vector<std::string> argv = {"/usr/bin/env",
+                                         "RT_TOOLS_DIR=" RT_BIN_DIR,
+                                         "/bin/sh",
+                                         RT_SOURCE_DIR "/pipelines/benchmark/run.sh",
+                                         "error",
+                                         out_,
+                                         "-DRT_DEVICES=software",
+                                         "-DRT_SCENES=bunny",
+                                         "-DRT_SIZE=64",
+                                         "-DRT_REPEAT=0",
+                                         "-DRT_PICTURE_SIZE=16",
+                                         "-DRT_SCENES_DIR=" + folder_.file("scenes")};
+        for (const std::string& variable : variables) argv.push_back("-D" + variable);
         return runCommand(argv);
     }
 
@@ -78,9 +83,9 @@ void expectErrors(const CsvRow& row) {
 }
 
 TEST_F(ErrorPipeline, MeasuresRaysAndPicturesAgainstDoublePrecision) {
-    const CommandResult result = run({"--structures", "nested", "cloud", "--sets", "primary", "diffuse",
-                                      "--intersects", "watertight", "moller-trumbore", "--spp", "1", "4"});
-    ASSERT_EQ(result.exitCode, 0) << result.err;
+    const CommandResult result = run({"RT_VARIANTS=nested;cloud", "RT_SETS=primary;diffuse",
+                                      "RT_INTERSECTS=watertight;moller-trumbore", "RT_SPP_SIDES=1;2"});
+    ASSERT_EQ(result.exitCode, 0) << result.out << result.err;
 
     const std::vector<CsvRow> errors = readCsv(out_ + "/errors.csv");
     EXPECT_EQ(errors.size(), 2u * 2u * 2u * 2u); // structures, tests, precisions, sets
@@ -115,9 +120,10 @@ TEST_F(ErrorPipeline, MeasuresRaysAndPicturesAgainstDoublePrecision) {
 }
 
 TEST_F(ErrorPipeline, DensitiesAreVariantsAndFailuresAreNoted) {
-    const CommandResult result = run({"--structures", "cloud", "--densities", "4", "1e10", "--intersects",
-                                      "watertight", "--precisions", "float", "--spp", "1"});
+    const CommandResult result = run({"RT_VARIANTS=cloud --density 4;cloud --density 1e10",
+                                      "RT_INTERSECTS=watertight", "RT_PRECISIONS=float", "RT_SPP_SIDES=1"});
     EXPECT_EQ(result.exitCode, 1);
+    EXPECT_THAT(result.err, HasSubstr("1 failures:\nbunny, cloud --density 1e10: rt-grid: error: "));
     const std::vector<CsvRow> errors = readCsv(out_ + "/errors.csv");
     ASSERT_EQ(errors.size(), 2u);
     EXPECT_EQ(errors[0].at("options"), "--density 4");

@@ -138,6 +138,7 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
     expectRefused("rt_add_atlas(uniform STRUCTURE uniform)\n", "SCENE is missing");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8 FRAMES many)\n",
                   "not a range");
+    expectRefused("rt_add_query(q ATLAS x)\n", "RAYS is missing");
     expectRefused("rt_add_comparison(c A nothing B scene)\n", "scene is no rt_add_render");
 }
 
@@ -166,6 +167,27 @@ TEST_F(CMakePipeline, FramesAreSharedByDevicesAndHeldAgainstGoldens) {
     touch("model.mtl");
     ASSERT_EQ(build().exitCode, 0);
     EXPECT_NE(test().exitCode, 0) << "the goldens are of the old colour";
+}
+
+TEST_F(CMakePipeline, AQueryFindsTheHitsOfItsRays) {
+    const auto ray = [](float x, float towardsZ) {
+        const float values[] = {x, 0.1f, -1.0f, 0.0f, 0.0f, 0.0f, towardsZ, 1e30f};
+        return std::string(reinterpret_cast<const char*>(values), sizeof values);
+    };
+    write("few.rays", ray(0.1f, 1.0f) + ray(0.1f, -1.0f));
+    writeSteps(
+        "rt_add_atlas(atlas SCENE scene)\nrt_add_query(query ATLAS atlas RAYS few.rays ARGS --any-hit)\n");
+    ASSERT_EQ(configure().exitCode, 0);
+    const CommandResult built = build();
+    ASSERT_EQ(built.exitCode, 0) << built.out << built.err;
+    EXPECT_EQ(std::filesystem::file_size(folder_.file("build/query.hits")), 2u * 16u);
+    EXPECT_EQ(report("query").at("hits"), 1);
+    EXPECT_EQ(report("query").at("anyHit"), true);
+    expectNothingToDo();
+    write("few.rays", ray(0.1f, 1.0f) + ray(0.2f, 1.0f) + ray(0.1f, -1.0f));
+    touch("few.rays");
+    EXPECT_EQ(build().exitCode, 0);
+    EXPECT_EQ(report("query").at("hits"), 2);
 }
 
 class MakePipeline : public Pipeline {
