@@ -2,12 +2,9 @@
 import contextlib
 import os
 import pathlib
-import time
 
 from planner.errors import FILE_ACCESS, USAGE, PlanError
 from planner.files import open_lock, try_lock
-
-POLL_SECONDS = 0.02
 
 
 def device_slots(environment):
@@ -42,7 +39,7 @@ def lock_folder(environment):
 
 
 @contextlib.contextmanager
-def device(environment):
+def device(environment, running):
     """Waits for a free slot; gives (slot, device, handle of its lock), or ("", "", None) where there is nothing to lock."""
     slots = device_slots(environment)
     folder = lock_folder(environment)
@@ -50,15 +47,11 @@ def device(environment):
     try:
         for slot, name in slots:
             handles.append((open_lock(folder / (slot.replace("/", "_") + ".lock")), slot, name))
-        yield wait_for_one(handles) if handles else ("", "", None)
+        yield running.wait_for(lambda: free_one(handles)) if handles else ("", "", None)
     finally:
         for handle, _, _ in handles:
             os.close(handle)
 
 
-def wait_for_one(handles):
-    while True:
-        for handle, slot, name in handles:
-            if try_lock(handle):
-                return slot, name, handle
-        time.sleep(POLL_SECONDS)
+def free_one(handles):
+    return next(((slot, name, handle) for handle, slot, name in handles if try_lock(handle)), None)

@@ -130,13 +130,18 @@ class PlanTest(unittest.TestCase):
         self.assertEqual(result.returncode, expect, f"{words}\n{result.stdout}{result.stderr}")
         return result.stdout if expect == 0 else result.stdout + result.stderr
 
+    def run_again(self, expect=0):
+        """Names of the steps that `plan run` calls."""
+        said = self.call("run", "tent.plan.json", expect=expect)
+        return " ".join(re.findall(r"^\[\d+/\d+\] (\S+):", said, re.MULTILINE))
+
     def states(self, expect=0):
         steps = json.loads(self.call("status", "tent", "--json", expect=expect))["steps"]
         return {step["id"]: step for step in steps}
 
     def stand_in(self, script):
         """All tools do this instead; $out is what follows the first -o."""
-        head = "#!/bin/sh\nout=; previous=; for word; do [ \"$previous\" != -o ] || out=${out:-$word}; previous=$word; done\n"
+        head = "#!/bin/sh\n[ \"$1\" != --version ] || exit 0\nout=; previous=; for word; do [ \"$previous\" != -o ] || out=${out:-$word}; previous=$word; done\n"
         (self.folder / "tools").mkdir()
         for tool in ("rt-import", "rt-grid", "rt-trace", "rt-compare"):
             self.write(f"tools/{tool}", head + script, 0o755)
@@ -274,6 +279,7 @@ class RunTest(PlanTest):
         self.describe(changed(("renders", "around", "frames"), [1, 2]))
         self.stand_in('echo "$RT_DEVICE" >"$(printf "${out:-x}" 1).device"; sleep 0.2; mkdir -p around whole still same\n'
                       'for f in tent.rtmesh tent.rtatlas still/still.exr still/still.png; do : >$f; done\n'
+                      'for n in 0001 0002; do for e in html json; do : >same/same.$n.$e; done; done\n'
                       'for n in 0001 0002; do for k in around whole; do for e in exr png part1of2.exr part2of2.exr; do '
                       ': >$k/$k.$n.$e; done; done; done\n')  # fmt: skip
         self.call("run", "tent.plan.json", "-j", "6")
@@ -325,29 +331,88 @@ class RunTest(PlanTest):
         self.call("step", "tent", "import-tent")
         (self.folder / "tent/tent.rtmesh").unlink()
         state = self.states(expect=10)["import-tent"]
-        self.assertEqual((state["state"], state["why"]), ("waiting", "tent.rtmesh is gone: run the step again"))
+        self.assertEqual((state["state"], state["why"]), ("waiting", "tent.rtmesh is gone"))
         self.write("tent/slurm-jobs.tsv", "")
         self.write("squeue", "#!/bin/sh\n", 0o755)
         self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
         state = self.states(expect=1)["import-tent"]
         self.assertEqual(state["state"], "blocked")
 
-    def test_a_golden_that_is_missing_fails_until_it_is_there(self):
-        comparison = {"gate": {"render": "still", "golden": "golden/still.exr"}}
-        self.describe({"scenes": GOOD["scenes"], "atlases": GOOD["atlases"], "renders": {"still": LOOK}, "comparisons": comparison})
-        self.assertIn("golden/still.exr", self.call("run", "tent.plan.json", expect=1))
-        (self.folder / "golden").mkdir()
-        shutil.copy(self.folder / "tent/still/still.exr", self.folder / "golden/still.exr")
-        self.assertIn("4 steps: 4 done", self.call("run", "tent.plan.json"))
-        self.assertIn("no work to do", self.call("run", "tent.plan.json"))
+    def describe_goldens(self):
+        comparison = {"gate": {"render": "still", "golden": "golden/still.exr"},
+                      "path": {"render": "around", "golden": "golden/%d/around.%04d.exr"}}  # fmt: skip
+        renders = {"still": LOOK, "around": LOOK | {"cameraPath": "path.json", "frames": [1, 2]}}
+        self.describe({"scenes": GOOD["scenes"], "atlases": GOOD["atlases"], "renders": renders, "comparisons": comparison})
+
+    def test_goldens_are_made_of_a_finished_run(self):
+        self.describe_goldens()
+        said = self.call("run", "tent.plan.json", expect=1)
+        self.assertRegex(said, "failed +compare-gate +there is no golden ../golden/still.exr: look at still/still.exr, .* update-goldens")
+        said = self.call("update-goldens", "tent")
+        self.assertEqual(re.findall(r": (.*)$", said, re.MULTILINE), ["new"] * 3)
+        self.assertEqual((self.folder / "golden/2/around.0002.exr").read_bytes(), (self.folder / "tent/around/around.0002.exr").read_bytes())
+        self.assertEqual(self.run_again(), "import-tent compare-gate compare-path-0001 compare-path-0002")
         (self.folder / "golden/still.exr").write_bytes(b"no picture")
         self.assertIn("compare-gate", self.call("run", "tent.plan.json", expect=1))
         self.assertFalse((self.folder / "tent/gate/gate.passed").exists())
+        said = self.call("update-goldens", "tent")
+        self.assertEqual(re.findall(r": (.*)$", said, re.MULTILINE), ["replaced", "the same", "the same"])
+        self.call("run", "tent.plan.json")
+
+    def test_goldens_are_replaced_all_or_none(self):
+        self.describe_goldens()
+        self.call("tent.plan.json", "--ninja", "n")
+        self.assertIn("trace-still has not made it", self.call("update-goldens", "tent", expect=3))
+        self.call("run", "tent.plan.json", expect=1)
+        (self.folder / "golden").mkdir()
+        self.write("golden/2", "where a folder should be")
+        self.write("golden/still.exr", "old")
+        self.assertRegex(self.call("update-goldens", "tent", expect=3), "^plan: error: .*golden/2.*\n$")
+        self.assertEqual([path.name for path in (self.folder / "golden").rglob("*.*")], ["still.exr"])
+        (self.folder / "golden/2").unlink()
+        picture = self.folder / "tent/around/around.0002.exr"
+        picture.write_bytes(picture.read_bytes()[:-1])
+        self.assertIn("around.0002.exr: trace-around-0002 has not made it, or it changed", self.call("update-goldens", "tent", expect=3))
+        self.assertEqual((self.folder / "golden/still.exr").read_text(), "old")
+        self.call("run", "tent.plan.json", expect=1)
+        self.call("update-goldens", "tent")
+        self.call("run", "tent.plan.json")
+
+    def test_goldens_that_cannot_be_made_of_renders_are_refused(self):
+        self.describe_goldens()
+        for golden, said in (("golden/still.png", "end in .exr"), ("path.json/x.exr", "path.json"), ("golden/1/around.0001.exr", "too; rename one")):
+            document = json.loads((self.folder / "tent.plan.json").read_text())
+            document["comparisons"]["gate"]["golden"] = golden
+            self.write("more.plan.json", json.dumps(document))
+            self.call("run", "more.plan.json", "-o", "tent", expect=1)
+            self.assertIn(said, self.call("update-goldens", "tent", expect=3 if "path" in golden else 4))
+            self.assertFalse((self.folder / "golden").exists())
+
+    def test_tools_elsewhere_are_the_same_tools(self):
+        self.describe()
+        self.call("run", "tent.plan.json")
+        shutil.copytree(TOOLS, self.folder / "moved", ignore=lambda folder, names: [name for name in names if not re.fullmatch("rt-[a-z]+", name)])
+        here = self.environment.pop("RT_TOOLS_DIR")
+        said = self.call("run", "tent.plan.json", expect=3)
+        self.assertRegex(said, r"^plan: error: PATH: there is no rt-compare, .*rt-trace in it; name .* --tools DIR or \$RT_TOOLS_DIR")
+        self.call("tent.plan.json", "--ninja", "n")
+        for step in ("import-tent", "grid-tent"):  # as an engine would
+            self.call("step", "tent", step, expect=127)
+        said = self.call("status", "tent", expect=1)
+        self.assertRegex(said, r"failed +import-tent +rt-import: error: cannot be run: .*; name the folder of the tools with --tools DIR")
+        self.assertIn("next: see the logs", said)
+        for folder in (self.folder / "moved", here):
+            self.environment["RT_TOOLS_DIR"] = str(folder)
+            self.assertIn(self.run_again(), ("import-tent grid-tent", "import-tent"))
+            self.assertLessEqual({step["state"] for step in self.states().values()}, {"done", "skipped"})
+        (self.folder / "moved/rt-compare").unlink()
+        self.environment["RT_TOOLS_DIR"] = str(self.folder / "moved")
+        self.assertIn("moved: there is no rt-compare in it", self.call("run", "tent.plan.json", expect=3))
 
     def test_a_step_that_was_cut_off_goes_on_and_is_not_run_twice_at_a_time(self):
         self.describe()
         self.stand_in("")
-        self.write("tools/rt-import", "#!/bin/sh\necho x >>starts; while [ -e starts ] && [ ! -e go ]; do sleep 0.02; done; : >tent.rtmesh\n", 0o755)
+        self.write("tools/rt-import", "#!/bin/sh\n[ $1 != --version ] || exit 0\necho x >>starts; while [ -e starts ] && [ ! -e go ]; do sleep 0.02; done; : >tent.rtmesh\n", 0o755)
         self.call("tent.plan.json", "--ninja", "n")
         words = [sys.executable, PLAN, "step", "tent", "import-tent"]
         first = subprocess.Popen(words, cwd=self.folder, env=self.environment)
@@ -416,7 +481,7 @@ class WholeTest(PlanTest):
     def test_ninja_make_and_reports(self):
         self.describe()
         self.assertIn("12 steps: 12 done", self.call("run", "tent.plan.json"))
-        self.assertIn("no work to do", self.call("run", "tent.plan.json"))
+        self.assertEqual(self.run_again(), "import-tent")
         self.call("tent.plan.json", "-o", "made", "--make", "Makefile")
         make = ["make", "-C", self.folder / "made", "-f", self.folder / "Makefile"]
         self.assertEqual(subprocess.run([*make, "-j2"], env=self.environment, capture_output=True).returncode, 0)
