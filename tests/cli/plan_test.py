@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unicodedata
 import unittest
 import xml.etree.ElementTree as ET
 import zlib
@@ -225,6 +226,19 @@ class StepsTest(PlanTest):
         self.assertIn("trace-whole-0001: 1 gpu, 1 cores", self.call("tent.plan.json"))
         self.assertFalse((self.folder / "tent").exists())
 
+    def test_version_and_help_are_those_of_the_tools(self):
+        version = subprocess.run([TOOLS / "rt-grid", "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
+        self.assertEqual(self.call("--version"), f"plan {version}\n")
+        for command in ("run", "step", "status", "report", "update-goldens"):
+            self.assertRegex(self.call(command, "--help"), rf"^[A-Z].*\nUsage: plan {command} \[OPTIONS\] (FILE|DIR)")
+            self.assertRegex(self.call(command, expect=2), r"^plan: error: .* required: .*; see plan .* --help\n$")
+
+    def test_runs_without_a_name_or_a_folder_are_refused(self):
+        self.describe()
+        for name, said in ((".plan.json", "rename it"), ("tent", "is no folder; name one")):
+            self.write(name, json.dumps(GOOD))
+            self.assertIn(said, self.call("run", name, expect=2 if name.startswith(".") else 3))
+
     def test_printing_and_exporting_do_not_go_together(self):
         self.describe()
         for printing in ("--json", "--dry-run"):
@@ -244,28 +258,87 @@ class StepsTest(PlanTest):
         self.assertEqual(times, {name: (self.folder / name).stat().st_mtime_ns for name in files})
         self.assertEqual(subprocess.run(["sh", "-n", self.folder / "s/submit.sh"]).returncode, 0)
 
-    def test_openjd_template_has_the_specified_shape(self):
+    def template(self, file="o.json"):
         self.describe()
-        self.call("tent.plan.json", "--openjd", "o.json")
-        template = json.loads((self.folder / "o.json").read_text())
+        self.call("tent.plan.json", "--openjd", file)
+        return json.loads((self.folder / file).read_text())
+
+    def test_openjd_template_is_what_the_specification_says(self):
+        """Of the template schemas 2023-09, all that applies: keys, types, lengths, counts, names that must lead somewhere."""
+        template = self.template()
         self.assertEqual(template["specificationVersion"], "jobtemplate-2023-09")
         self.assertEqual(set(template), {"specificationVersion", "name", "parameterDefinitions", "steps"})
+        self.assertTrue(0 < len(template["name"]) <= 128)
+        (parameter,) = template["parameterDefinitions"]
+        self.assertEqual(set(parameter), {"name", "type", "objectType", "dataFlow", "default", "description"})
+        self.assertEqual((parameter["type"], parameter["objectType"], parameter["dataFlow"]), ("PATH", "DIRECTORY", "INOUT"))
+        self.assertTrue(0 < len(parameter["description"]) <= 2048)
         names = [step["name"] for step in template["steps"]]
         self.assertEqual(len(names), len(set(names)))
         for i, step in enumerate(template["steps"]):
             self.assertLessEqual(len(step["name"]), 64)
             self.assertLessEqual(set(step), {"name", "dependencies", "hostRequirements", "parameterSpace", "script"})
-            self.assertTrue({d["dependsOn"] for d in step.get("dependencies", [])} <= set(names[:i]))
-            for amount in step["hostRequirements"]["amounts"]:
-                self.assertRegex(amount["name"], r"^amount\.worker\.(vcpu|memory|gpu)$")
-                self.assertGreater(amount["min"], 0)
+            self.check_dependencies(step.get("dependencies"), names[:i])
+            self.assertEqual(set(step["hostRequirements"]), {"amounts"})
+            amounts = {amount["name"]: amount["min"] for amount in step["hostRequirements"]["amounts"]}
+            self.assertEqual(len(amounts), len(step["hostRequirements"]["amounts"]))
+            self.assertLessEqual(set(amounts), {"amount.worker.vcpu", "amount.worker.memory", "amount.worker.gpu"})
+            self.assertGreaterEqual(min(amounts.values()), 1)
+            self.assertEqual((set(step["parameterSpace"]), set(step["script"]), set(step["script"]["actions"])),
+                             ({"taskParameterDefinitions"}, {"actions"}, {"onRun"}))  # fmt: skip
             (parameter,) = step["parameterSpace"]["taskParameterDefinitions"]
-            self.assertEqual((parameter["name"], parameter["type"]), ("Step", "STRING"))
+            self.assertEqual((set(parameter), parameter["name"], parameter["type"]), ({"name", "type", "range"}, "Step", "STRING"))
             self.assertTrue(0 < len(parameter["range"]) <= 1024)
-            action = step["script"]["actions"]["onRun"]
-            self.assertEqual(set(action), {"command", "args", "timeout", "cancelation"})
-            used = re.findall(r"{{(.*?)}}", " ".join(action["args"]))
-            self.assertEqual(used, ["Param.Folder", "Task.Param.Step"])
+            self.assertTrue(all(0 < len(value) <= 1024 and "{{" not in value for value in parameter["range"]))
+            self.check_action(step["script"]["actions"]["onRun"])
+
+    def check_dependencies(self, dependencies, before):
+        if dependencies is None:
+            return
+        names = [dependency["dependsOn"] for dependency in dependencies]
+        self.assertTrue(names and all(set(dependency) == {"dependsOn"} for dependency in dependencies))
+        self.assertEqual(len(names), len(set(names)))
+        self.assertLessEqual(set(names), set(before))
+
+    def check_action(self, action):
+        self.assertEqual(set(action), {"command", "args", "timeout", "cancelation"})
+        self.assertIsInstance(action["timeout"], int)
+        self.assertGreater(action["timeout"], 0)
+        self.assertEqual(set(action["cancelation"]), {"mode", "notifyPeriodInSeconds"})
+        self.assertEqual(action["cancelation"]["mode"], "NOTIFY_THEN_TERMINATE")
+        self.assertTrue(0 < action["cancelation"]["notifyPeriodInSeconds"] <= 600)
+        used = re.findall(r"{{(.*?)}}", " ".join([action["command"], *action["args"]]))
+        self.assertEqual(used, ["Param.Folder", "Task.Param.Step"])
+        self.assertFalse(any(unicodedata.category(c) == "Cc" for word in (action["command"], *action["args"]) for c in word))
+
+    def test_openjd_default_folder_counts_from_the_template_and_stays_in_its_folder(self):
+        self.assertEqual(self.template()["parameterDefinitions"][0]["default"], "tent")
+        (self.folder / "jobs").mkdir()
+        parameter = self.template("jobs/o.json")["parameterDefinitions"][0]
+        self.assertNotIn("default", parameter)
+        self.assertIn(str(self.folder / "tent"), parameter["description"])
+
+    def test_openjd_names_that_it_cannot_hold_are_refused(self):
+        for name in ("a{{b", "n" * 129):
+            self.write(f"{name}.plan.json", json.dumps(GOOD))
+            self.assertIn("Open Job Description", self.call(f"{name}.plan.json", "-o", "x", "--openjd", "o.json", expect=4))
+
+    def test_names_that_differ_little_stay_apart(self):
+        """In shell variables, and in steps: turn-0001 is frame 1 of turn, or a still."""
+        document = copy.deepcopy(GOOD)
+        document["atlases"] |= {"a-b": {"scene": "tent"}, "a_b": {"scene": "tent"}}
+        document["renders"] |= {name: LOOK | {"atlas": name} for name in ("a-b", "a_b")}
+        self.describe(document)
+        self.call("tent.plan.json", "--slurm", "s")
+        text = (self.folder / "s/submit.sh").read_text()
+        jobs = {name: (job, after) for job, after, name in
+                re.findall(r"^(job_\d+)=\$\(sbatch .*--parsable (?:--dependency=afterok:(\S+) )?\S*/(\S+)\.sbatch\)$", text, re.MULTILINE)}  # fmt: skip
+        self.assertEqual(len({job for job, _ in jobs.values()}), 1 + 3 + 5 + 1 + 1)
+        for name in ("a-b", "a_b"):
+            self.assertEqual(jobs[f"trace-{name}"][1], f"${{{jobs[f'grid-{name}'][0]}}}")
+        document["renders"]["around-0002"] = LOOK | {"shards": 2}
+        self.describe(document)
+        self.assertRegex(self.call("tent.plan.json", expect=4), r"^plan: error: tent\.plan\.json: two steps .* trace-around-0002-1of2")
 
     def test_a_step_of_a_plan_that_changed_is_refused(self):
         self.describe()
