@@ -9,7 +9,7 @@ import time
 from planner import VERSION, export_make, export_ninja, export_openjd, export_slurm, junit, report, status
 from planner.description import read_description
 from planner.errors import FILE_ACCESS, INVALID_CONTENT, SIGNALLED, USAGE, PlanError
-from planner.files import passed_on, write_whole
+from planner.files import is_printable, passed_on, write_whole
 from planner.goldens import update_goldens
 from planner.graph import build_graph, load_graph, save_graph
 from planner.help_text import Parser
@@ -128,10 +128,8 @@ def planned(options):
 def real(path):
     """Absolute and without links: tools run in the run's folder, from where .. leads to where it really is."""
     text = os.path.realpath(path)
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        raise PlanError(INVALID_CONTENT, f"{text.encode(errors='replace').decode()}: is no UTF-8; rename it") from None
+    if not is_printable(text):
+        raise PlanError(INVALID_CONTENT, f"{ascii(text)}: has a control character or is no UTF-8; rename it")
     return pathlib.Path(text)
 
 

@@ -70,7 +70,7 @@ def export_slurm(graph, plan, folder, jobs_folder):
 
 def directives(folder, name, task):
     """What #SBATCH lines say of a job, quoted as sbatch reads it."""
-    if re.search(r'[\\"\n]', f"{folder}{name}"):
+    if re.search(r'[\\"]', f"{folder}{name}"):
         raise PlanError(INVALID_CONTENT, f"{folder}: Slurm cannot have quotation marks and backslashes in names; rename it")
     log = f"{folder}/logs/slurm-{name}".replace("%", "%%") + f"{task}.log"
     return {"name": f'"{name}"', "folder": f'"{folder}"', "log": f'"{log}"'}

@@ -5,10 +5,16 @@ import os
 import signal
 import tempfile
 import time
+import unicodedata
 
 from planner.errors import FILE_ACCESS, SIGNALLED, PlanError
 
 POLL_SECONDS = 0.02
+
+
+def is_printable(name):
+    """No control characters, and nothing that was not UTF-8."""
+    return not any(unicodedata.category(c) in ("Cc", "Cs") for c in name)
 
 
 def read_text(path):

@@ -61,7 +61,7 @@ def is_same(source, target):
 
 def copied(copies, source, target):
     target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=target.name + ".tmp.")
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=target.name[:100] + ".tmp.")
     copies.callback(pathlib.Path(name).unlink, missing_ok=True)
     with os.fdopen(handle, "wb") as file, open(source, "rb") as content:
         shutil.copyfileobj(content, file)

@@ -7,7 +7,7 @@ import os
 import pathlib
 import re
 
-from planner.errors import INVALID_CONTENT, PlanError
+from planner.errors import FILE_ACCESS, INVALID_CONTENT, PlanError
 from planner.files import read_text, write_whole
 
 VERSION = 1
@@ -107,6 +107,8 @@ def load_step(folder, id):
 
 def load_graph(folder):
     path = graph_path(folder)
+    if not path.exists():
+        raise PlanError(FILE_ACCESS, f"{folder}: is not the folder of a run: it has no plan.json; name one that plan wrote to")
     try:
         content = json.loads(read_text(path))
         if content.pop("planVersion") != VERSION:

@@ -145,7 +145,8 @@ def why_failed(folder, step, code, said):
     if step.stage == "compare" and not (folder / step.inputs[1]).exists():
         return f"there is no golden {step.inputs[1]}: look at {step.inputs[0]}, then make goldens with update-goldens"
     reasons = REASON.findall(said)
-    return reasons[0] if reasons else f"exit code {code}"
+    page = f"; see {step.outputs[1]}" if step.stage == "compare" and (folder / step.outputs[1]).exists() else ""
+    return (reasons[0] if reasons else f"exit code {code}") + page
 
 
 def missing_outputs(folder, step):

@@ -4,7 +4,7 @@ import dataclasses
 import fcntl
 import os
 
-from planner.files import open_lock, try_lock
+from planner.files import try_lock
 from planner.run_step import lock_path, missing_outputs, read_record
 from planner.slurm_queue import queued_steps
 
@@ -55,10 +55,10 @@ def step_status(step, folder, found, queue):
 
 
 def is_running(folder, step):
-    path = lock_path(folder, step)
-    if not path.exists():
+    try:
+        handle = os.open(lock_path(folder, step), os.O_RDONLY)  # a folder that may only be read has a status too
+    except FileNotFoundError:
         return False
-    handle = open_lock(path)
     try:
         return not try_lock(handle, fcntl.LOCK_SH)
     finally:
@@ -90,7 +90,7 @@ def as_text(graph, folder, statuses):
 def next_steps(counts, statuses):
     held = [s.why.split()[2] for s in statuses if s.state == "waiting" and "held" in s.why]
     if held:
-        yield f"Slurm holds {len(held)} jobs: scontrol update nodename=NODE state=resume where a node is drained, then scontrol release {' '.join(held[:5])}"
+        yield f"Slurm holds {len(held)} steps: scontrol update nodename=NODE state=resume where a node is drained, then scontrol release {' '.join(held[:5])}"
     elif counts["failed"]:
         yield f"see the logs of what failed, mend it, and {AGAIN}"
     elif counts["blocked"] or counts["waiting"] and not counts["running"]:

@@ -202,9 +202,11 @@ class DescriptionTest(PlanTest):
 
     def test_files_that_are_no_json(self):
         self.assertIn("cannot be read", self.call("tent.plan.json", expect=3))
-        for text in ('{"scenes": {', '{"scenes": {}, "scenes": {}}'):
+        for text in ('{"scenes": {', '{"scenes": {}, "scenes": {}}', "[" * 100000, '{"a\\nb": 1}', '{"scenes": ["\\ud800"]}'):
             self.write("tent.plan.json", text)
-            self.assertIn("tent.plan.json: ", self.call("tent.plan.json", expect=4))
+            self.assertRegex(self.call("tent.plan.json", expect=4), r"^plan: error: tent\.plan\.json: .*\n$")
+        self.write("a\nb.plan.json", json.dumps(GOOD))
+        self.assertRegex(self.call("a\nb.plan.json", expect=4), r"^plan: error: '.*a\\nb': has a control character.*\n$")
 
     def test_the_example_is_good(self):
         example = ROOT / "pipelines/turntable/turntable.plan.json"
@@ -410,6 +412,14 @@ class RunTest(PlanTest):
         self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
         state = self.states(expect=1)["import-tent"]
         self.assertEqual(state["state"], "blocked")
+        self.assertRegex(self.call("status", "tent", expect=1), r"\nnext: run the pipeline again: .*\n$")
+        self.write("tent/slurm-jobs.tsv", "7\ttasks\n")
+        self.write("tent/tasks", "import-tent@12345678\n")
+        self.write("squeue", "#!/bin/sh\necho '7_1|PENDING|launch failed requeued held'\n", 0o755)
+        said = self.call("status", "tent", expect=1)
+        self.assertRegex(said, r"waiting +import-tent +Slurm job 7_1 PENDING \(launch failed requeued held\)\n")
+        self.assertRegex(said, r"\nnext: Slurm holds 1 steps: scontrol update .*, then scontrol release 7_1\n$")
+        self.assertIn("is not the folder of a run", self.call("status", "devices", expect=3))
 
     def describe_goldens(self):
         comparison = {"gate": {"render": "still", "golden": "golden/still.exr"},
@@ -501,6 +511,55 @@ class RunTest(PlanTest):
         self.assertEqual(second.wait(timeout=20), 0)
         state = self.states(expect=10)["import-tent"]
         self.assertEqual([attempt["why"] for attempt in state["attempts"]], ["cut off", ""])
+
+    def test_a_run_that_was_killed_goes_on_and_a_second_one_beside_it_is_refused(self):
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {"renders": {"still": LOOK}})
+        self.stand_in("while [ ! -e go ]; do sleep 0.02; done; mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        words = [sys.executable, PLAN, "run", "tent.plan.json"]
+        first = subprocess.Popen(words, cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL)
+        self.wait_for((self.folder / "tent/logs/import-tent.log").exists)
+        self.assertRegex(self.call("run", "tent.plan.json", expect=3), r"^plan: error: .*/tent: another run of it is at work; wait .*\n$")
+        first.kill()  # its tool goes on
+        first.wait()
+        self.assertEqual(self.states(expect=10)["import-tent"]["state"], "running")
+        second = subprocess.Popen(words, cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL)
+        time.sleep(0.3)
+        (self.folder / "tent/go").touch()
+        self.assertEqual(second.wait(timeout=20), 0)
+        states = self.states()
+        self.assertEqual({step["state"] for step in states.values()}, {"done"})
+        self.assertEqual([attempt["why"] for attempt in states["import-tent"]["attempts"]], ["cut off", ""])
+
+    def test_a_run_that_cannot_write_its_records_says_so(self):
+        self.describe()
+        self.stand_in("")
+        self.call("tent.plan.json", "--ninja", "n")
+        self.write("tent/steps", "no folder")
+        for words in (("run", "tent.plan.json"), ("status", "tent"), ("step", "tent", "import-tent")):
+            self.assertRegex(self.call(*words, expect=3), r"^plan: error: \S*tent/steps\S*: .*\n$")
+
+    def test_names_and_folders_may_be_odd(self):
+        """Spaces, letters, shell's and printf's signs, and a run's folder that is a link to another place."""
+        odd = self.folder / "söme ' $x #1 %d b"
+        (self.folder / "disk").mkdir()
+        odd.mkdir()
+        for name in ("tent.obj", "path.json"):
+            (self.folder / name).rename(odd / name)
+        (odd / "run ü").symlink_to(self.folder / "disk")
+        self.folder = odd
+        golden = {"gate": {"render": "around", "golden": "gold %d/t %04d.exr"}}
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases", "renders", "resources")} | {"comparisons": golden})
+        said = self.call("run", "tent.plan.json", "-o", "run ü", expect=1)
+        self.assertIn("10 done, 2 failed", said)
+        self.assertIn("gold 2/t 0002.exr: new", self.call("update-goldens", "run ü"))
+        self.call("run", "tent.plan.json", "-o", "run ü")
+        self.call("tent.plan.json", "-o", "ni n", "--ninja", "n", "--slurm", "s s")
+        ninja = subprocess.run(["ninja", "-C", "ni n", "-f", odd / "n"], cwd=odd, env=self.environment, capture_output=True, text=True)
+        self.assertEqual(ninja.returncode, 0, ninja.stdout)
+        self.assertEqual((odd / "ni n/around/around.0002.exr").read_bytes(), (odd / "run ü/around/around.0002.exr").read_bytes())
+        self.assertIn(f'#SBATCH --output="{odd}/ni n/logs/slurm-tent.merge-around-%a.log"'.replace("%d", "%%d"),
+                      (odd / "s s/merge-around.sbatch").read_text())  # fmt: skip
+        self.assertEqual(subprocess.run(["sh", "-n", odd / "s s/submit.sh"]).returncode, 0)
 
     def test_an_interrupted_run_ends_with_one_line_and_leaves_nothing_running(self):
         self.describe()
