@@ -17,6 +17,7 @@ from planner.versions import REMEDY
 
 UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
 REASON = re.compile(r"^(rt-\w+: error: .*|limit: .*: broken|verdict: .*)$", re.MULTILINE)
+STATES = ("running", "done", "skipped", "failed")
 PAUSE_SECONDS = 0.5
 
 
@@ -59,13 +60,14 @@ def step_lock(folder, step, running):
 
 
 def read_record(folder, step):
-    """What the last run left, or None. A record of other options does not count."""
+    """What the last run left, or None. A record of other options, or that is none of ours, does not count."""
     path = folder / step.record
     if not path.exists():
         return None
     try:
         record = json.loads(read_text(path))
-        return record if record["token"] == step.token else None
+        is_ours = isinstance(record["attempts"], list) and isinstance(record.get("files", {}), dict)
+        return record if is_ours and record["token"] == step.token and record["state"] in STATES else None
     except (ValueError, KeyError, TypeError):
         return None
 

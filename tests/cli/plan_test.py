@@ -131,9 +131,9 @@ class PlanTest(unittest.TestCase):
         self.assertEqual(result.returncode, expect, f"{words}\n{result.stdout}{result.stderr}")
         return result.stdout if expect == 0 else result.stdout + result.stderr
 
-    def run_again(self, expect=0):
+    def run_again(self, *words):
         """Names of the steps that `plan run` calls."""
-        said = self.call("run", "tent.plan.json", expect=expect)
+        said = self.call("run", "tent.plan.json", *words)
         return " ".join(re.findall(r"^\[\d+/\d+\] (\S+):", said, re.MULTILINE))
 
     def states(self, expect=0):
@@ -538,6 +538,15 @@ class RunTest(PlanTest):
         for words in (("run", "tent.plan.json"), ("status", "tent"), ("step", "tent", "import-tent")):
             self.assertRegex(self.call(*words, expect=3), r"^plan: error: \S*tent/steps\S*: .*\n$")
 
+    def test_records_that_are_none_do_not_count(self):
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {"renders": {"still": LOOK}})
+        self.call("run", "tent.plan.json")
+        record = json.loads((self.folder / "tent/steps/trace-still.json").read_text())
+        for wrong in ("", "[]", "{", json.dumps(record | {"attempts": 1}), json.dumps(record | {"files": []}), json.dumps(record | {"state": "?"})):
+            self.write("tent/steps/trace-still.json", wrong)
+            self.assertEqual(self.states(expect=10)["trace-still"]["state"], "waiting")
+            self.assertEqual(self.run_again(), "import-tent trace-still")
+
     def test_names_and_folders_may_be_odd(self):
         """Spaces, letters, shell's and printf's signs, and a run's folder that is a link to another place."""
         odd = self.folder / "söme ' $x #1 %d b"
@@ -554,8 +563,10 @@ class RunTest(PlanTest):
         self.assertIn("gold 2/t 0002.exr: new", self.call("update-goldens", "run ü"))
         self.call("run", "tent.plan.json", "-o", "run ü")
         self.call("tent.plan.json", "-o", "ni n", "--ninja", "n", "--slurm", "s s")
-        ninja = subprocess.run(["ninja", "-C", "ni n", "-f", odd / "n"], cwd=odd, env=self.environment, capture_output=True, text=True)
-        self.assertEqual(ninja.returncode, 0, ninja.stdout)
+        for said in ("[12/12]", "no work to do"):
+            ninja = subprocess.run(["ninja", "-C", "ni n", "-f", odd / "n"], cwd=odd, env=self.environment, capture_output=True, text=True)
+            self.assertEqual(ninja.returncode, 0, ninja.stdout)
+            self.assertIn(said, ninja.stdout)
         self.assertEqual((odd / "ni n/around/around.0002.exr").read_bytes(), (odd / "run ü/around/around.0002.exr").read_bytes())
         self.assertIn(f'#SBATCH --output="{odd}/ni n/logs/slurm-tent.merge-around-%a.log"'.replace("%d", "%%d"),
                       (odd / "s s/merge-around.sbatch").read_text())  # fmt: skip
@@ -731,6 +742,7 @@ class WholeTest(PlanTest):
         make = ["make", "-C", self.folder / "made", "-f", self.folder / "Makefile"]
         self.assertEqual(subprocess.run([*make, "-j2"], env=self.environment, capture_output=True).returncode, 0)
         self.assertEqual(subprocess.run([*make, "-q"], env=self.environment, capture_output=True).returncode, 0)
+        self.assertEqual(self.run_again("-o", "made"), "import-tent")
         for name in ("around/around.0002.exr", "whole/whole.0001.png", "still/still.exr"):
             self.assertEqual((self.folder / "made" / name).read_bytes(), (self.folder / "tent" / name).read_bytes(), name)
         self.check_reports()
