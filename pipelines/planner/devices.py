@@ -8,7 +8,7 @@ from planner.files import open_lock, try_lock
 
 
 def device_slots(environment):
-    """[(slot, device)]: of RT_DEVICES, of the GPUs that Slurm gave this job, or one for what rt-trace finds itself ("").
+    """[(slot, device)]: of RT_DEVICES, of the GPUs that Slurm gave this job, or one: RT_DEVICE, or what rt-trace finds itself ("").
 
     A device may be named several times, and then takes so many steps at once. Empty where Slurm alone decides what runs.
     """
@@ -23,7 +23,13 @@ def device_slots(environment):
         # CUDA_VISIBLE_DEVICES, which Slurm sets, makes CUDA count the job's own GPUs from 0.
         own = "CUDA_VISIBLE_DEVICES" in environment
         return [(f"cuda:{gpu}#1", f"cuda:{i if own else gpu}") for i, gpu in enumerate(gpus)]
-    return [("auto#1", "")]
+    device = environment.get("RT_DEVICE", "")
+    return [(f"{device or 'auto'}#1", device)]
+
+
+def are_of_a_kind(slot, slots):
+    """Whether a picture that was made in a slot might be made in one of the others: rt-trace tells software from hardware."""
+    return slot.startswith("software#") in {device == "software" for _, device in slots}
 
 
 def lock_folder(environment):

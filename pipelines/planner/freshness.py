@@ -5,6 +5,8 @@ content is another one too is left to the tool (--if-changed).
 """
 import os
 
+from planner.devices import are_of_a_kind
+
 
 def signatures(folder, step, start):
     """{file: its signature after the step} of all that it read and wrote; None for an input that changed since `start`."""
@@ -23,11 +25,13 @@ def signature(path):
     return [status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino]
 
 
-def is_current(folder, step, record, version):
-    """Whether the step, of which this is the record or None, need not be called."""
+def is_current(folder, step, record, version, slots):
+    """Whether the step, of which this is the record or None, need not be called where there are these devices."""
     if step.stage == "import":
         return False  # only rt-import knows which files a model leads to, and which were not there
     if not record or record["state"] not in ("done", "skipped") or record.get("version") != version:
+        return False
+    if step.resources["gpus"] and slots and not are_of_a_kind(record["attempts"][-1]["slot"], slots):
         return False
     return untouched(folder, record, [*step.inputs, *step.outputs])
 

@@ -26,7 +26,8 @@ class Scheduler:
 
     def __init__(self, graph, folder, versions, running, jobs):
         self.folder, self.versions, self.running = folder, versions, running
-        self.free_devices = max(1, len(device_slots(os.environ)))
+        self.slots = device_slots(os.environ)
+        self.free_devices = max(1, len(self.slots))
         self.cores = self.free_cores = len(os.sched_getaffinity(0))
         self.free_jobs = jobs or self.free_devices + self.cores
         self.count, self.ended, self.error = len(graph.steps), 0, None
@@ -54,7 +55,7 @@ class Scheduler:
                     self.error = self.error or future.exception()
                     if not future.exception():
                         self.end(step, future.result()[-1])
-        if self.error:
+        if self.error and not self.running.signals:
             raise self.error
 
     def next_step(self):
@@ -64,7 +65,7 @@ class Scheduler:
             if not queue:
                 return None
             step = queue.popleft()
-            if not is_current(self.folder, step, read_record(self.folder, step), self.versions[step.argv[0]]):
+            if not is_current(self.folder, step, read_record(self.folder, step), self.versions[step.argv[0]], self.slots):
                 return step
             self.release(step)
         return None

@@ -90,7 +90,8 @@ def as_text(graph, folder, statuses):
 def next_steps(counts, statuses):
     held = [s.why.split()[2] for s in statuses if s.state == "waiting" and "held" in s.why]
     if held:
-        yield f"Slurm holds {len(held)} steps: scontrol update nodename=NODE state=resume where a node is drained, then scontrol release {' '.join(held[:5])}"
+        release = f"scontrol release {' '.join(held[:5])}"
+        yield f"Slurm holds {len(held)} steps: scontrol update nodename=NODE state=resume where a node is drained, then {release}"
     elif counts["failed"]:
         yield f"see the logs of what failed, mend it, and {AGAIN}"
     elif counts["blocked"] or counts["waiting"] and not counts["running"]:

@@ -372,6 +372,20 @@ class RunTest(PlanTest):
         devices = {path.read_text() for path in (self.folder / "tent").rglob("*part*.device")}
         self.assertEqual(devices, {"software\n"})
 
+    def test_software_and_hardware_make_different_pictures(self):
+        """As rt-trace has it: auto may be any device but the one that is asked for as software."""
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {"renders": {"still": LOOK}})
+        self.stand_in("case $0 in *import) [ -e tent.rtmesh ] || : >tent.rtmesh ;; *grid) : >tent.rtatlas ;; "
+                      "*trace) echo $RT_DEVICE >still/still.exr; : >still/still.png ;; esac\n")  # fmt: skip
+        rows = (("RT_DEVICES", "software"), ("RT_DEVICES", "cuda:0,software"), ("RT_DEVICES", "cuda:0"), ("RT_DEVICES", "cuda:1"), ("RT_DEVICE", "0"),
+                ("RT_DEVICE", "software"))  # fmt: skip
+        for (variable, devices), made in zip(rows, ("software", "software", "cuda:0", "cuda:0", "cuda:0", "software")):
+            for name in ("RT_DEVICE", "RT_DEVICES"):
+                self.environment.pop(name, None)
+            self.environment[variable] = devices
+            self.call("run", "tent.plan.json")
+            self.assertEqual((self.folder / "tent/still/still.exr").read_text(), made + "\n", devices)
+
     def test_failures_are_retried_so_often_and_no_more(self):
         self.describe()
         self.call("tent.plan.json", "--ninja", "n")
@@ -610,7 +624,8 @@ class ChangesTest(PlanTest):
         (self.folder / "tools").mkdir()
         for tool in ("rt-import", "rt-grid", "rt-trace", "rt-compare"):
             (self.folder / "tools" / tool).symlink_to(TOOLS / tool)
-        self.write("tent.obj", "mtllib tent.mtl\nvt 0 0\nusemtl a\n" + re.sub(r"^f (\d) (\d) (\d)", r"f \1/1 \2/1 \3/1", MODEL, flags=re.MULTILINE))
+        textured = re.sub(r"^f (\d) (\d) (\d)", r"f \1/1 \2/1 \3/1", MODEL, flags=re.MULTILINE)
+        self.write("tent.obj", f"mtllib tent.mtl\nvt 0 0\nusemtl a\n{textured}")
         self.write("tent.mtl", "newmtl a\nKd 1 1 1\nmap_Kd t.ppm\n")
         self.write("t.ppm", "P6\n1 1\n255\nabc")
         self.write("tent.scene.json", json.dumps({
