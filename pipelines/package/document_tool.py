@@ -36,7 +36,7 @@ def parse(text):
 
 def commands_of(text):
     found = COMMAND.search(text)
-    return re.findall(r"\b(\w+) --help", found.group(1)) if found else []
+    return re.findall(r"([\w-]+) --help", found.group(1)) if found else []
 
 
 def escape(text):

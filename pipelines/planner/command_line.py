@@ -1,35 +1,38 @@
 """The commands of pipelines/plan."""
-import argparse
 import json
 import os
 import pathlib
 import signal
-import subprocess
 import sys
 import time
 
-from planner import export_make, export_ninja, export_openjd, export_slurm, junit, report, status
+from planner import VERSION, export_make, export_ninja, export_openjd, export_slurm, junit, report, status
 from planner.description import read_description
-from planner.errors import FILE_ACCESS, SIGNALLED, USAGE, PlanError
-from planner.files import passed_on, write_whole
+from planner.errors import FILE_ACCESS, INVALID_CONTENT, SIGNALLED, USAGE, PlanError
+from planner.files import is_printable, passed_on, write_whole
+from planner.goldens import update_goldens
 from planner.graph import build_graph, load_graph, save_graph
-from planner.run_step import run_step
+from planner.help_text import Parser
+from planner.run_here import run_graph
+from planner.run_step import find_step, run_step
+from planner.slurm_queue import JOBS
+from planner.versions import check_programs, version_of, versions_of
 
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "plan"
 NAME = pathlib.Path(sys.argv[0]).name  # plan, or rt-plan where it is installed
-COMMANDS = ("run", "step", "status", "report")
+COMMANDS = {
+    "run": "runs the steps here", "status": "says how far a run is", "report": "makes a page of it",
+    "update-goldens": "takes its pictures for goldens", "step": "runs one step, for engines",
+}  # fmt: skip
 EXIT_CODES = """
-Other commands: %(name)s run|step|status|report --help
-
 Exit codes:
   0   ok; status: all steps are done
   1   run, status: a step failed, so that the pipeline cannot be completed
   2   wrong usage
   3   a file could not be read or written
   4   invalid content in an input
-  10  status: steps are running or waiting
-  130 interrupted (Ctrl-C); 143 ended (SIGTERM)
-step ends with the code of its tool
+  10  run, status: steps are running or waiting
+  130 interrupted (Ctrl-C); 143 ended (SIGTERM); step ends with the code of its tool
 """
 
 
@@ -37,11 +40,14 @@ def main(argv):
     try:
         command = argv[1] if len(argv) > 1 and argv[1] in COMMANDS else "export"
         options = parse(command, argv[1:] if command == "export" else argv[2:])
-        return globals()[f"{command}_command"](options)
+        return globals()[f"{command.replace('-', '_')}_command"](options)
     except PlanError as error:
         print(f"{NAME}: error: {error}", file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
+        return FILE_ACCESS
+    except OSError as error:
+        print(f"{NAME}: error: {error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
         return FILE_ACCESS
     except KeyboardInterrupt:
         print(f"{NAME}: error: interrupted", file=sys.stderr)
@@ -50,37 +56,42 @@ def main(argv):
 
 def parse(command, words):
     name = NAME if command == "export" else f"{NAME} {command}"
-    parser = argparse.ArgumentParser(prog=name, description=ABOUT[command], epilog=EXIT_CODES % {"name": NAME}, allow_abbrev=False,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)  # fmt: skip
-    if command in ("export", "run"):
-        parser.add_argument("file", type=pathlib.Path, metavar="FILE", help="pipeline description, *.plan.json")
-        parser.add_argument("-o", "--output", type=pathlib.Path, metavar="DIR", help="where everything goes; else a folder here, named like FILE")
-        parser.add_argument("--tools", type=pathlib.Path, metavar="DIR", help="folder with rt-import and the others; else $RT_TOOLS_DIR, else they are looked for in PATH")  # fmt: skip
-    else:
-        parser.add_argument("folder", type=pathlib.Path, metavar="DIR", help="the run's folder")
-    for words_of, settings in OPTIONS[command]:
-        parser.add_argument(*words_of, **settings)
-    return parser.parse_args(words)
+    about = ABOUT[command]
+    if command == "export":
+        about += "\nOther commands: " + ", ".join(f"{NAME} {other} --help ({does})" for other, does in COMMANDS.items()) + "."
+    positionals = FILE_AND_FOLDERS if command in ("export", "run") else FOLDER
+    return Parser(name, about, positionals + OPTIONS[command] + GENERAL, EXIT_CODES).parse_args(words)
 
 
 PATH = {"type": pathlib.Path}
+FILE_AND_FOLDERS = [
+    (["file"], PATH | {"metavar": "FILE", "help": "pipeline description, *.plan.json"}),
+    (["-o", "--output"], PATH | {"metavar": "DIR", "help": "where everything goes; else a folder here, named like FILE"}),
+    (["--tools"], PATH | {"metavar": "DIR", "help": "folder with rt-import and the others; else $RT_TOOLS_DIR, else they are looked for in PATH"}),
+]
+FOLDER = [(["folder"], PATH | {"metavar": "DIR", "help": "the run's folder"})]
+GENERAL = [
+    (["-h", "--help"], {"action": "help", "help": "Print this help message and exit"}),
+    (["--version"], {"action": "version", "version": f"{NAME} {VERSION}", "help": "Display program version information and exit"}),
+]
 ABOUT = {
     "export": "Turns a pipeline description into steps: prints them, or writes them for an engine to run.",
-    "run": "Runs the pipeline on this machine with Ninja, spread over the devices of RT_DEVICES, and says how it went.",
+    "run": "Runs what is not up to date on this machine, spread over the devices of RT_DEVICES, and says how it went.",
     "step": "Runs one step for an engine: waits for a device of RT_DEVICES, keeps a log and a record in DIR.",
     "status": "Says which steps are done, failed, running and waiting, and why; the summary of a run under any engine.",
     "report": "Writes one page of a run: pictures, times, comparisons, what was skipped and why.",
+    "update-goldens": "Copies the pictures of a finished run to where its description has the goldens: all of them or none.",
 }
 OPTIONS = {
     "export": [
-        (["--dry-run"], {"action": "store_true", "help": "print the steps and write nothing; so does %(prog)s FILE alone"}),
+        (["--dry-run"], {"action": "store_true", "help": "print the steps and write nothing; so does FILE alone"}),
         (["--json"], {"action": "store_true", "help": "print them as JSON"}),
         (["--ninja"], PATH | {"metavar": "FILE", "help": "write a build file for Ninja"}),
         (["--make"], PATH | {"metavar": "FILE", "help": "write a makefile for GNU Make"}),
         (["--slurm"], PATH | {"metavar": "DIR", "help": "write Slurm job arrays, and submit.sh, which hands them in"}),
         (["--openjd"], PATH | {"metavar": "FILE", "help": "write a job template of Open Job Description 2023-09"}),
     ],
-    "run": [(["-j", "--jobs"], {"type": int, "metavar": "N", "help": "steps at a time; else Ninja decides"})],
+    "run": [(["-j", "--jobs"], {"type": int, "metavar": "N", "help": "steps at a time; else as many as there are devices, and cores for the others"})],
     "step": [
         (["step"], {"metavar": "STEP", "help": "id of the step, or id@digest, which must be what DIR/plan.json says"}),
         (["--retries"], {"type": int, "default": 0, "metavar": "N", "help": "try again after crashes, lost GPUs and file access"}),
@@ -91,19 +102,35 @@ OPTIONS = {
         (["-o", "--output"], PATH | {"metavar": "FILE", "help": "the page, HTML"}),
         (["--junit"], PATH | {"metavar": "FILE", "help": "steps as test cases, for CI"}),
     ],
+    "update-goldens": [],
 }  # fmt: skip
 
 
 def planned(options):
     """(graph, its run's folder)."""
     name = options.file.name.removesuffix(".json").removesuffix(".plan")
-    folder = pathlib.Path(os.path.abspath(options.output or name))
+    if not name:
+        raise PlanError(USAGE, f"{options.file}: has no name before .plan.json, after which the run is called; rename it")
+    folder = real(options.output or name)
+    if folder.exists() and not folder.is_dir():
+        raise PlanError(FILE_ACCESS, f"{folder}: is no folder; name one for the run with -o")
     tools = options.tools or os.environ.get("RT_TOOLS_DIR")
-    tools = pathlib.Path(os.path.abspath(tools)) if tools else None
-    if tools and not (tools / "rt-trace").exists():
-        raise PlanError(FILE_ACCESS, f"{tools}: there is no rt-trace in it; name the folder of the tools with --tools")
     description = read_description(options.file)
-    return build_graph(description, name, pathlib.Path(os.path.abspath(options.file.parent)), folder, tools), folder
+    try:
+        graph = build_graph(description, name, real(options.file.parent), folder, real(tools) if tools else None)
+    except PlanError as error:
+        raise PlanError(error.exit_code, f"{options.file}: {error}") from None
+    if tools:
+        check_programs(sorted({step.argv[0] for step in graph.steps}))
+    return graph, folder
+
+
+def real(path):
+    """Absolute and without links: tools run in the run's folder, from where .. leads to where it really is."""
+    text = os.path.realpath(path)
+    if not is_printable(text):
+        raise PlanError(INVALID_CONTENT, f"{ascii(text)}: has a control character or is no UTF-8; rename it")
+    return pathlib.Path(text)
 
 
 def export_command(options):
@@ -125,7 +152,7 @@ def export_command(options):
     if slurm:
         export_slurm.export_slurm(graph, plan, folder, slurm)
     if openjd:
-        write_whole(openjd, export_openjd.openjd_text(graph, plan, folder))
+        write_whole(openjd, export_openjd.openjd_text(graph, plan, folder, openjd))
     return 0
 
 
@@ -148,24 +175,24 @@ def steps_as_json(graph):
 
 def run_command(options):
     graph, folder = planned(options)
+    if options.jobs is not None and options.jobs < 1:
+        raise PlanError(USAGE, f"--jobs {options.jobs}: wanted is 1 or more")
+    versions = versions_of(graph)
     save_graph(graph, folder)
-    file = folder / "build.ninja"
-    write_whole(file, export_ninja.ninja_text(graph, [sys.executable, str(PROGRAM)], folder, file))
     write_whole(folder / "run.json", json.dumps({"start": time.time()}) + "\n")
-    jobs = ["-j", str(options.jobs)] if options.jobs else []
-    try:
-        ninja = subprocess.Popen(["ninja", "-C", folder, "-k", "0", *jobs])
-    except OSError as error:
-        raise PlanError(FILE_ACCESS, f"ninja cannot be run: {error.strerror}; install ninja-build") from None
-    with passed_on(ninja) as signals:
-        ninja.wait()
-    if signals:
-        raise PlanError(SIGNALLED + signals[0], f"interrupted; steps that run have been ended, the same command goes on: {folder}")
+    (folder / JOBS).unlink(missing_ok=True)  # of an earlier run: what Slurm still has of it does no harm, and does not count
+    with passed_on() as running:
+        run_graph(graph, folder, versions, running, options.jobs)
+    if running.signals:
+        raise PlanError(SIGNALLED + running.signals[0], f"interrupted; steps that ran have been ended, the same command goes on: {folder}")
     return print_status(graph, folder, as_json=False)
 
 
 def step_command(options):
-    return run_step(pathlib.Path(os.path.abspath(options.folder)), options.step, options.retries, options.touch)
+    folder = pathlib.Path(os.path.abspath(options.folder))
+    step = find_step(folder, options.step)
+    with passed_on() as running:
+        return run_step(folder, step, running, version_of(step.argv[0]), options.retries, options.touch)[-1]["exitCode"]
 
 
 def status_command(options):
@@ -190,4 +217,10 @@ def report_command(options):
         write_whole(options.output, report.page(graph, options.folder, statuses, options.output))
     if options.junit:
         write_whole(options.junit, junit.suite(graph, options.folder, statuses))
+    return 0
+
+
+def update_goldens_command(options):
+    folder = real(options.folder)
+    print("\n".join(update_goldens(load_graph(folder), folder)))
     return 0

@@ -4,7 +4,7 @@ import pathlib
 import re
 
 from planner.errors import INVALID_CONTENT, PlanError
-from planner.files import read_text
+from planner.files import is_printable, read_text
 from planner.schema import first_fault
 from planner.tool_options import DECIDED, faults_of_options, value_of
 
@@ -19,8 +19,11 @@ def read_description(path):
         content = json.loads(read_text(path), object_pairs_hook=without_repeats)
     except ValueError as error:
         raise PlanError(INVALID_CONTENT, f"{path}: {error}") from None
+    except RecursionError:
+        raise PlanError(INVALID_CONTENT, f"{path}: is nested too deeply for a pipeline description") from None
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
-    fault = first_fault(content, schema, schema) or next(faults_of(content, path.parent), None)
+    fault = next(faults_of_characters(content, "$"), None) or first_fault(content, schema, schema)
+    fault = fault or next(faults_of(content, path.parent), None)
     if fault:
         raise PlanError(INVALID_CONTENT, f"{path}: {fault[0]}: {fault[1]}")
     return content
@@ -32,6 +35,19 @@ def without_repeats(pairs):
         names = [name for name, _ in pairs]
         raise ValueError(f"'{next(name for name in names if names.count(name) > 1)}' is there twice")
     return content
+
+
+def faults_of_characters(content, place):
+    """Those that no engine's file can hold in a name."""
+    for text in content if isinstance(content, dict) else [content] if isinstance(content, str) else ():
+        if not is_printable(text):
+            yield place, f"{json.dumps(text)} has a control character or half a character; leave it out"
+    if isinstance(content, dict):
+        for key, member in content.items():
+            yield from faults_of_characters(member, f"{place}.{key}")
+    if isinstance(content, list):
+        for i, member in enumerate(content):
+            yield from faults_of_characters(member, f"{place}[{i}]")
 
 
 def faults_of(content, folder):

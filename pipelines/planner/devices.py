@@ -2,16 +2,13 @@
 import contextlib
 import os
 import pathlib
-import time
 
 from planner.errors import FILE_ACCESS, USAGE, PlanError
 from planner.files import open_lock, try_lock
 
-POLL_SECONDS = 0.02
-
 
 def device_slots(environment):
-    """[(slot, device)]: of RT_DEVICES, of the GPUs that Slurm gave this job, or one for what rt-trace finds itself ("").
+    """[(slot, device)]: of RT_DEVICES, of the GPUs that Slurm gave this job, or one: RT_DEVICE, or what rt-trace finds itself ("").
 
     A device may be named several times, and then takes so many steps at once. Empty where Slurm alone decides what runs.
     """
@@ -26,7 +23,13 @@ def device_slots(environment):
         # CUDA_VISIBLE_DEVICES, which Slurm sets, makes CUDA count the job's own GPUs from 0.
         own = "CUDA_VISIBLE_DEVICES" in environment
         return [(f"cuda:{gpu}#1", f"cuda:{i if own else gpu}") for i, gpu in enumerate(gpus)]
-    return [("auto#1", "")]
+    device = environment.get("RT_DEVICE", "")
+    return [(f"{device or 'auto'}#1", device)]
+
+
+def are_of_a_kind(slot, slots):
+    """Whether a picture that was made in a slot might be made in one of the others: rt-trace tells software from hardware."""
+    return slot.startswith("software#") in {device == "software" for _, device in slots}
 
 
 def lock_folder(environment):
@@ -42,7 +45,7 @@ def lock_folder(environment):
 
 
 @contextlib.contextmanager
-def device(environment):
+def device(environment, running):
     """Waits for a free slot; gives (slot, device, handle of its lock), or ("", "", None) where there is nothing to lock."""
     slots = device_slots(environment)
     folder = lock_folder(environment)
@@ -50,15 +53,11 @@ def device(environment):
     try:
         for slot, name in slots:
             handles.append((open_lock(folder / (slot.replace("/", "_") + ".lock")), slot, name))
-        yield wait_for_one(handles) if handles else ("", "", None)
+        yield running.wait_for(lambda: free_one(handles)) if handles else ("", "", None)
     finally:
         for handle, _, _ in handles:
             os.close(handle)
 
 
-def wait_for_one(handles):
-    while True:
-        for handle, slot, name in handles:
-            if try_lock(handle):
-                return slot, name, handle
-        time.sleep(POLL_SECONDS)
+def free_one(handles):
+    return next(((slot, name, handle) for handle, slot, name in handles if try_lock(handle)), None)

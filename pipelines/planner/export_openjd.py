@@ -1,23 +1,36 @@
 """A job template of Open Job Description, version jobtemplate-2023-09."""
 import json
+import os
 
 from planner.errors import INVALID_CONTENT, PlanError
 from planner.graph import RETRIES
 
-NAME_LIMIT = 64
+NAME_LIMIT, JOB_NAME_LIMIT, PATH_LIMIT = 64, 128, 1024
 
 
-def openjd_text(graph, plan, folder):
+def openjd_text(graph, plan, folder, file):
+    if len(graph.name) > JOB_NAME_LIMIT:
+        raise PlanError(INVALID_CONTENT, f"{graph.name}: Open Job Description has job names of {JOB_NAME_LIMIT} characters at most; shorten it")
+    if any("{{" in text for text in (graph.name, *plan)):
+        raise PlanError(INVALID_CONTENT, f"{graph.name}, {plan[-1]}: Open Job Description takes {{{{ for its own in names; rename it")
     template = {
         "specificationVersion": "jobtemplate-2023-09",
         "name": graph.name,
-        "parameterDefinitions": [
-            {"name": "Folder", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "INOUT", "default": str(folder),
-             "description": "The run's folder, which holds plan.json; all workers see it"},
-        ],
+        "parameterDefinitions": [folder_parameter(folder, file)],
         "steps": steps_of(graph, plan),
-    }  # fmt: skip
+    }
     return json.dumps(template, indent=1) + "\n"
+
+
+def folder_parameter(folder, file):
+    """Its default counts from the template's folder, and may not lead out of it; elsewhere, who submits the job names it."""
+    parameter = {
+        "name": "Folder", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "INOUT",
+        "description": f"The run's folder, which holds plan.json; all workers see it. It was written to {folder}"[:2048],
+    }  # fmt: skip
+    default = os.path.relpath(folder, os.path.realpath(file.parent))
+    is_inside = not default.startswith("..") and len(default) <= PATH_LIMIT
+    return parameter | ({"default": default} if is_inside else {})
 
 
 def steps_of(graph, plan):

@@ -1,6 +1,8 @@
 """A set of Slurm jobs: an array for each group of steps, tied by afterok, and submit.sh, which hands them in."""
+import re
 import shlex
 
+from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import write_whole
 from planner.graph import RETRIES
 
@@ -8,7 +10,7 @@ JOB = """#!/bin/sh
 #SBATCH --job-name={name}
 #SBATCH --array=1-{count}
 #SBATCH --chdir={folder}
-#SBATCH --output={folder}/logs/slurm-{name}-%a.log
+#SBATCH --output={log}
 #SBATCH --open-mode=append
 #SBATCH --requeue
 #SBATCH --kill-on-invalid-dep=yes
@@ -21,7 +23,7 @@ JOB = """#!/bin/sh
 SUMMARY = """#!/bin/sh
 #SBATCH --job-name={name}
 #SBATCH --chdir={folder}
-#SBATCH --output={folder}/logs/slurm-{name}.log
+#SBATCH --output={log}
 #SBATCH --requeue
 #SBATCH --time=10
 {plan} status . >summary.txt
@@ -51,23 +53,27 @@ def export_slurm(graph, plan, folder, jobs_folder):
     chunks = graph.chunks()
     dependencies = graph.group_dependencies()
     submissions = []
+    variables = {}  # group: the shell's variables that hold its jobs
     for group, parts in chunks.items():
-        awaited = [f"${{{variable(group, i)}}}" for group in dependencies[group] for i in range(len(chunks[group]))]
-        for i, steps in enumerate(parts):
+        awaited = [f"${{{name}}}" for other in dependencies[group] for name in variables[other]]
+        variables[group] = [f"job_{len(submissions) + i + 1}" for i in range(len(parts))]
+        for i, (steps, name) in enumerate(zip(parts, variables[group])):
             script, tasks = write_job(graph, plan, folder, jobs_folder, group, i, steps)
             after = f"--dependency=afterok:{':'.join(awaited)} " if awaited else ""
-            name = variable(group, i)
             submissions.append(f'{name}=$(sbatch "$@" --parsable {after}{script})\n{name}=${{{name}%;*}}; note "${name}" {tasks}')
     summary = jobs_folder / "summary.sbatch"
-    shell = {"name": f"{graph.name}.summary", "folder": shlex.quote(str(folder)), "plan": shlex.join(plan)}
-    write_whole(summary, SUMMARY.format(**shell | {"folder": folder}), executable=True)
-    text = SUBMIT.format(name=graph.name, folder=shell["folder"], submissions="\n".join(submissions),
+    write_whole(summary, SUMMARY.format(plan=shlex.join(plan), **directives(folder, f"{graph.name}.summary", "")), executable=True)
+    text = SUBMIT.format(name=graph.name, folder=shlex.quote(str(folder)), submissions="\n".join(submissions),
                          summary=shlex.quote(str(summary)))  # fmt: skip
     write_whole(jobs_folder / "submit.sh", text, executable=True)
 
 
-def variable(group, i):
-    return f"job_{group.replace('-', '_')}_{i + 1}"
+def directives(folder, name, task):
+    """What #SBATCH lines say of a job, quoted as sbatch reads it."""
+    if re.search(r'[\\"]', f"{folder}{name}"):
+        raise PlanError(INVALID_CONTENT, f"{folder}: Slurm cannot have quotation marks and backslashes in names; rename it")
+    log = f"{folder}/logs/slurm-{name}".replace("%", "%%") + f"{task}.log"
+    return {"name": f'"{name}"', "folder": f'"{folder}"', "log": f'"{log}"'}
 
 
 def write_job(graph, plan, folder, jobs_folder, group, i, steps):
@@ -77,8 +83,9 @@ def write_job(graph, plan, folder, jobs_folder, group, i, steps):
     write_whole(tasks, "".join(f"{step.token}\n" for step in steps))
     needs = steps[0].resources
     gres = f"#SBATCH --gres=gpu:{needs['gpus']}\n" if needs["gpus"] else ""
-    text = JOB.format(name=f"{graph.name}.{stem.name}", count=len(steps), folder=folder, plan=shlex.join(plan), gres=gres,
-                      tasks=shlex.quote(str(tasks)), retries=RETRIES, **{key: needs[key] for key in ("cores", "memory", "minutes")})  # fmt: skip
+    text = JOB.format(count=len(steps), plan=shlex.join(plan), gres=gres, tasks=shlex.quote(str(tasks)), retries=RETRIES,
+                      **{key: needs[key] for key in ("cores", "memory", "minutes")},
+                      **directives(folder, f"{graph.name}.{stem.name}", "-%a"))  # fmt: skip
     script = stem.with_name(stem.name + ".sbatch")
     write_whole(script, text, executable=True)
     return shlex.quote(str(script)), shlex.quote(str(tasks))

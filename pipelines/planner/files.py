@@ -1,11 +1,20 @@
-"""Files that appear whole or not at all, locks, and signals for those who hold them."""
+"""Files that appear whole or not at all, locks, and signals for those who wait for them."""
 import contextlib
 import fcntl
 import os
 import signal
 import tempfile
+import time
+import unicodedata
 
-from planner.errors import FILE_ACCESS, PlanError
+from planner.errors import FILE_ACCESS, SIGNALLED, PlanError
+
+POLL_SECONDS = 0.02
+
+
+def is_printable(name):
+    """No control characters, and nothing that was not UTF-8."""
+    return not any(unicodedata.category(c) in ("Cc", "Cs") for c in name)
 
 
 def read_text(path):
@@ -51,18 +60,46 @@ def try_lock(handle, how=fcntl.LOCK_EX):
         return False
 
 
+class Running:
+    """The tools that run now, and the signals that came meanwhile."""
+
+    def __init__(self):
+        self.processes = set()
+        self.signals = []
+
+    def end(self, number, _):
+        self.signals.append(number)
+        for process in list(self.processes):
+            process.terminate()  # it may have been started with Ctrl-C ignored
+
+    def wait(self, process):
+        """Its exit code."""
+        self.processes.add(process)
+        try:
+            if self.signals:  # that came before it was here to be ended
+                process.terminate()
+            return process.wait()
+        finally:
+            self.processes.discard(process)
+
+    def wait_for(self, condition):
+        """The first result of the condition that is true."""
+        while not self.signals:
+            found = condition()
+            if found:
+                return found
+            time.sleep(POLL_SECONDS)
+        raise PlanError(SIGNALLED + self.signals[0], "interrupted")
+
+
 @contextlib.contextmanager
-def passed_on(process):
-    """Ctrl-C and being told to end go to the process, so that it ends first; gives the list of signals that came."""
-    signals = []
-
-    def pass_on(number, _):
-        signals.append(number)
-        process.terminate()  # it may have been started with Ctrl-C ignored
-
-    before = {number: signal.signal(number, pass_on) for number in (signal.SIGINT, signal.SIGTERM)}
+def passed_on():
+    """Ctrl-C and being told to end go to the tools that run, so that they end first; gives Running."""
+    running = Running()
+    numbers = [number for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
+    before = {number: signal.signal(number, running.end) for number in numbers}
     try:
-        yield signals
+        yield running
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -7,7 +7,7 @@ import os
 import pathlib
 import re
 
-from planner.errors import INVALID_CONTENT, PlanError
+from planner.errors import FILE_ACCESS, INVALID_CONTENT, PlanError
 from planner.files import read_text, write_whole
 
 VERSION = 1
@@ -39,8 +39,9 @@ class Step:
 
     @property
     def token(self):
-        """Names the step and what it ran when it was exported."""
-        return f"{self.id}@{hashlib.sha256(json.dumps(self.argv).encode()).hexdigest()[:8]}"
+        """Names the step and what it ran when it was exported, but not where the tool was."""
+        words = [os.path.basename(self.argv[0]), *self.argv[1:]]
+        return f"{self.id}@{hashlib.sha256(json.dumps(words).encode()).hexdigest()[:8]}"
 
     @property
     def log(self):
@@ -106,6 +107,8 @@ def load_step(folder, id):
 
 def load_graph(folder):
     path = graph_path(folder)
+    if not path.exists():
+        raise PlanError(FILE_ACCESS, f"{folder}: is not the folder of a run: it has no plan.json; name one that plan wrote to")
     try:
         content = json.loads(read_text(path))
         if content.pop("planVersion") != VERSION:
@@ -124,6 +127,7 @@ class Builder:
         self.run_folder = run_folder
         self.tools_folder = tools_folder
         self.steps = []
+        self.ids = set()
         self.makers = {}  # output: id
 
     def source(self, file):
@@ -148,6 +152,9 @@ class Builder:
         program = (self.tools_folder / tool).as_posix() if self.tools_folder else tool
         depends_on = list(dict.fromkeys(self.makers[file] for file in inputs if file in self.makers))
         step = Step(id, stage, group, [program, *words], inputs, outputs, depends_on, self.resources(stage, item), **more)
+        if id in self.ids:
+            raise PlanError(INVALID_CONTENT, f"two steps would be called {id}: a name and a frame read like another name; rename one")
+        self.ids.add(id)
         self.steps.append(step)
         self.makers.update({output: id for output in outputs})
         return step
@@ -247,8 +254,7 @@ def add_comparison(builder, name, comparison, renders):
     frames = frames_of(builder.description["renders"][comparison["render"]])
     number = ["" if frame is None else f".{frame:04d}" for frame in frames]
     if "golden" in comparison:
-        golden = builder.source(comparison["golden"])
-        references = [re.sub(r"%(0\d+)?d", lambda found: found[0] % int(n[1:]), golden) if n else golden for n in number]
+        references = [builder.source(golden_of(comparison["golden"], frame)) for frame in frames]
     else:
         references = [picture["exr"] for picture in renders[comparison["against"]]]
     options, files = builder.words(comparison.get("options", []))
@@ -256,13 +262,18 @@ def add_comparison(builder, name, comparison, renders):
     made = []
     for picture, reference, n in zip(pictures, references, number):
         stem, id = (f"{name}/{name}{n}", f"compare-{name}{n.replace('.', '-')}")
-        words = [picture["exr"], reference, *limits, "--html", f"{stem}.html", "--json", f"{stem}.json",
+        outputs = [f"{stem}.passed", f"{stem}.html", f"{stem}.json"]
+        words = [picture["exr"], reference, *limits, "--html", outputs[1], "--json", outputs[2], "--if-changed",
                  *builder.threads("compare", comparison), *options]  # fmt: skip
-        builder.add("compare", id, f"compare-{name}", words, [picture["exr"], reference, *files], [f"{stem}.passed"], comparison,
-                    stamp=f"{stem}.passed")  # fmt: skip
+        builder.add("compare", id, f"compare-{name}", words, [picture["exr"], reference, *files], outputs, comparison,
+                    stamp=outputs[0])  # fmt: skip
         golden = reference if "golden" in comparison else ""
         made.append({"step": id, "page": f"{stem}.html", "figures": f"{stem}.json", "exr": picture["exr"], "golden": golden})
     return made
+
+
+def golden_of(golden, frame):
+    return golden if frame is None else re.sub(r"%(0\d+)?d", lambda found: found[0] % frame, golden)
 
 
 def frames_of(render):

@@ -1,6 +1,5 @@
 """Runs one step, for whatever engine asks for it: device, log, record, retries."""
 import contextlib
-import fcntl
 import json
 import os
 import re
@@ -11,28 +10,26 @@ import time
 
 from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
-from planner.files import open_lock, passed_on, read_text, write_whole
+from planner.files import open_lock, read_text, try_lock, write_whole
+from planner.freshness import signatures
 from planner.graph import load_step
+from planner.versions import REMEDY
 
 UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
 REASON = re.compile(r"^(rt-\w+: error: .*|limit: .*: broken|verdict: .*)$", re.MULTILINE)
+STATES = ("running", "done", "skipped", "failed")
 PAUSE_SECONDS = 0.5
 
 
-def run_step(folder, token, retries, touch):
-    """The exit code. Outputs are there whole or, if it is not 0, as they were before."""
-    step = find_step(folder, token)
-    with step_lock(folder, step) as lock:
+def run_step(folder, step, running, version, retries=0, touch=False):
+    """The attempts, of which the last counts. Outputs are there whole or, if its exit code is not 0, as they were before."""
+    with step_lock(folder, step, running) as lock:
         attempts = interrupted_attempts(folder, step)
         for left in range(retries, -1, -1):
-            code = attempt(folder, step, attempts, lock)
-            if left == 0 or not may_pass_next_time(code):
-                break
+            attempt(folder, step, attempts, lock, running, version, touch)
+            if left == 0 or running.signals or not may_pass_next_time(attempts[-1]["exitCode"]):
+                return attempts
             time.sleep(PAUSE_SECONDS)
-    if code == 0 and touch:
-        for output in step.outputs:
-            os.utime(folder / output)
-    return code
 
 
 def may_pass_next_time(code):
@@ -52,24 +49,25 @@ def lock_path(folder, step):
 
 
 @contextlib.contextmanager
-def step_lock(folder, step):
+def step_lock(folder, step, running):
     """Waits for another run of the same step, such as one whose node was believed dead."""
     handle = open_lock(lock_path(folder, step))
     try:
-        fcntl.flock(handle, fcntl.LOCK_EX)
+        running.wait_for(lambda: try_lock(handle))
         yield handle
     finally:
         os.close(handle)
 
 
 def read_record(folder, step):
-    """What the last run left, or None. A record of other options does not count."""
+    """What the last run left, or None. A record of other options, or that is none of ours, does not count."""
     path = folder / step.record
     if not path.exists():
         return None
     try:
         record = json.loads(read_text(path))
-        return record if record["token"] == step.token else None
+        is_ours = isinstance(record["attempts"], list) and isinstance(record.get("files", {}), dict)
+        return record if is_ours and record["token"] == step.token and record["state"] in STATES else None
     except (ValueError, KeyError, TypeError):
         return None
 
@@ -83,18 +81,21 @@ def interrupted_attempts(folder, step):
     return record["attempts"][:-1] + [last | {"end": None, "why": "cut off"}]
 
 
-def attempt(folder, step, attempts, lock):
-    with device(os.environ) if step.resources["gpus"] else contextlib.nullcontext(("", "", None)) as (slot, name, handle):
+def attempt(folder, step, attempts, lock, running, version, touch):
+    with device(os.environ, running) if step.resources["gpus"] else contextlib.nullcontext(("", "", None)) as (slot, name, handle):
         current = {"start": time.time(), "host": socket.gethostname(), "slot": slot, "exitCode": None, "why": ""}
         attempts.append(current)
         save_record(folder, step, "running", attempts)
         prepare(folder, step)
         environment = os.environ | ({"RT_DEVICE": name} if name else {})
-        code, said = execute(folder, step, environment, [fd for fd in (lock, handle) if fd is not None], len(attempts))
+        handles = [fd for fd in (lock, handle) if fd is not None]
+        code, said = execute(folder, step, environment, handles, len(attempts), running)
     code, state, why = verdict(folder, step, code, said)
+    for output in step.outputs if touch and code == 0 else ():
+        os.utime(folder / output)
     current |= {"end": time.time(), "exitCode": code, "why": why}
-    save_record(folder, step, state, attempts)
-    return code
+    made = {"version": version, "files": signatures(folder, step, current["start"])} if code == 0 else {}
+    save_record(folder, step, state, attempts, made)
 
 
 def prepare(folder, step):
@@ -104,7 +105,7 @@ def prepare(folder, step):
         (folder / step.stamp).unlink(missing_ok=True)
 
 
-def execute(folder, step, environment, handles, number):
+def execute(folder, step, environment, handles, number, running):
     """Exit code and output of the tool, which holds the locks too: they are free when it has ended, whoever dies first."""
     log = folder / step.log
     log.parent.mkdir(parents=True, exist_ok=True)
@@ -116,10 +117,10 @@ def execute(folder, step, environment, handles, number):
             process = subprocess.Popen(step.argv, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=file,
                                        stderr=file, pass_fds=handles)  # fmt: skip
         except OSError as error:
-            file.write(f"{step.argv[0]}: error: cannot be run: {error.strerror}\n")
-            return CANNOT_RUN, ""
-        with passed_on(process):
-            code = process.wait()
+            said = f"{step.argv[0]}: error: cannot be run: {error.strerror}; {REMEDY}"
+            file.write(said + "\n")
+            return CANNOT_RUN, said
+        code = running.wait(process)
     with open(log, encoding="utf-8", errors="replace") as file:
         file.seek(begin)
         return (code if code >= 0 else SIGNALLED - code), file.read()
@@ -135,10 +136,19 @@ def verdict(folder, step, code, said):
     up_to_date = UP_TO_DATE.search(said)
     if code == 0:
         return 0, "skipped" if up_to_date else "done", up_to_date[1] if up_to_date else ""
-    reasons = REASON.findall(said)
+    return code, "failed", why_failed(folder, step, code, said)
+
+
+def why_failed(folder, step, code, said):
     if code > SIGNALLED:
-        return code, "failed", f"ended by {signal_name(code - SIGNALLED)}"
-    return code, "failed", reasons[0] if reasons else f"exit code {code}"
+        return f"ended by {signal_name(code - SIGNALLED)}"
+    if code == CANNOT_RUN:
+        return said
+    if step.stage == "compare" and not (folder / step.inputs[1]).exists():
+        return f"there is no golden {step.inputs[1]}: look at {step.inputs[0]}, then make goldens with update-goldens"
+    reasons = REASON.findall(said)
+    page = f"; see {step.outputs[1]}" if step.stage == "compare" and (folder / step.outputs[1]).exists() else ""
+    return (reasons[0] if reasons else f"exit code {code}") + page
 
 
 def missing_outputs(folder, step):
@@ -152,6 +162,7 @@ def signal_name(number):
         return f"signal {number}"
 
 
-def save_record(folder, step, state, attempts):
-    content = {"id": step.id, "token": step.token, "state": state, "attempts": attempts}
+def save_record(folder, step, state, attempts, made=()):
+    """`made`: the tool's version and the files' signatures, of a step that ended well."""
+    content = {"id": step.id, "token": step.token, "state": state, "attempts": attempts, **dict(made)}
     write_whole(folder / step.record, json.dumps(content, indent=1) + "\n")

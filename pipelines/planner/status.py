@@ -4,12 +4,13 @@ import dataclasses
 import fcntl
 import os
 
-from planner.files import open_lock, try_lock
+from planner.files import try_lock
 from planner.run_step import lock_path, missing_outputs, read_record
 from planner.slurm_queue import queued_steps
 
 FINISHED, FAILED, UNFINISHED = 0, 1, 10
 STATES = ("done", "skipped", "failed", "running", "waiting", "blocked")
+AGAIN = "run the pipeline again: what is done is not done again"  # with plan run, submit.sh, ninja or make
 
 
 @dataclasses.dataclass
@@ -41,7 +42,7 @@ def step_status(step, folder, found, queue):
         if not gone:
             return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
         # Slurm has nothing that would make it again.
-        return StepStatus(step, "waiting" if queue is None else "blocked", f"{gone[0]} is gone: run the step again", attempts)
+        return StepStatus(step, "waiting" if queue is None else "blocked", f"{gone[0]} is gone", attempts)
     stopped = [id for id in step.depends_on if found[id].state in ("failed", "blocked")]
     if stopped:
         return StepStatus(step, "blocked", f"{stopped[0]} {found[stopped[0]].state}", attempts)
@@ -54,10 +55,10 @@ def step_status(step, folder, found, queue):
 
 
 def is_running(folder, step):
-    path = lock_path(folder, step)
-    if not path.exists():
+    try:
+        handle = os.open(lock_path(folder, step), os.O_RDONLY)  # a folder that may only be read has a status too
+    except FileNotFoundError:
         return False
-    handle = open_lock(path)
     try:
         return not try_lock(handle, fcntl.LOCK_SH)
     finally:
@@ -74,7 +75,7 @@ def exit_code(statuses):
 
 
 def as_text(graph, folder, statuses):
-    """A line for each step that is not done, then the counts."""
+    """A line for each step that is not done, the counts, and what to do."""
     lines = [
         f"{s.state:8} {s.step.id:32} {s.why}" + (f"  [{folder / s.step.log}]" if s.state in ("failed", "running") else "")
         for s in statuses
@@ -82,7 +83,19 @@ def as_text(graph, folder, statuses):
     ]
     counts = collections.Counter(status.state for status in statuses)
     total = ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])
-    return "\n".join([line.rstrip() for line in lines] + [f"{graph.name}: {len(statuses)} steps: {total}"]) + "\n"
+    lines = [line.rstrip() for line in lines] + [f"{graph.name}: {len(statuses)} steps: {total}"]
+    return "\n".join(lines + [f"next: {step}" for step in next_steps(counts, statuses)]) + "\n"
+
+
+def next_steps(counts, statuses):
+    held = [s.why.split()[2] for s in statuses if s.state == "waiting" and "held" in s.why]
+    if held:
+        release = f"scontrol release {' '.join(held[:5])}"
+        yield f"Slurm holds {len(held)} steps: scontrol update nodename=NODE state=resume where a node is drained, then {release}"
+    elif counts["failed"]:
+        yield f"see the logs of what failed, mend it, and {AGAIN}"
+    elif counts["blocked"] or counts["waiting"] and not counts["running"]:
+        yield AGAIN
 
 
 def as_json(graph, folder, statuses):

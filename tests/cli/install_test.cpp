@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 
 namespace rt::test {
 namespace {
@@ -115,24 +116,37 @@ TEST_F(Installed, PagesSayWhatHelpSays) {
     for (const char* text : {"\\-\\-structure auto|uniform|cloud|octant|nested", "RT-GRID VERIFY",
                              "\\-\\-against", "EXIT CODES"})
         EXPECT_THAT(page, HasSubstr(text));
-    for (const char* tool : {"rt-import", "rt-grid", "rt-trace", "rt-compare"}) {
+    for (const char* tool : {"rt-import", "rt-grid", "rt-trace", "rt-compare", "rt-plan"}) {
         const std::string text = readText(prefix_ + "/share/man/man1/" + tool + ".1");
         EXPECT_THAT(text, HasSubstr(".SH NAME\n"));
         EXPECT_THAT(text, Not(ContainsRegex("memory, [0-9]+M"))) << "of the machine that built it";
     }
 }
 
+TEST_F(Installed, ThePageOfThePlannerHasAllItsCommands) {
+    const std::string page = readText(prefix_ + "/share/man/man1/rt-plan.1");
+    for (const char* text : {"rt-plan \\- Turns a pipeline", "rt\\-plan [OPTIONS] FILE", "\\-\\-slurm DIR",
+                             "RT-PLAN RUN", "\\-j,\\-\\-jobs N", "RT-PLAN STATUS", "RT-PLAN REPORT",
+                             "\\-\\-junit FILE", "RT-PLAN UPDATE-GOLDENS", "RT-PLAN STEP", "EXIT CODES"})
+        EXPECT_THAT(page, HasSubstr(text));
+}
+
 TEST_F(Installed, CompletionsKnowOptionsAndTheirValues) {
     const auto completed = [&](const std::string& words, const char* index) {
+        const std::string tool = words.substr(0, words.find(' '));
         return expectSuccess({"/bin/bash", "-c",
-                              ". " + prefix_ + "/share/bash-completion/completions/rt-grid; COMP_WORDS=(" +
-                                  words + "); COMP_CWORD=" + index + "; _rt_grid; echo ${COMPREPLY[@]}"})
+                              ". " + prefix_ + "/share/bash-completion/completions/" + tool +
+                                  "; COMP_WORDS=(" + words + "); COMP_CWORD=" + index + "; _" +
+                                  std::regex_replace(tool, std::regex("-"), "_") + "; echo ${COMPREPLY[@]}"})
             .out;
     };
     EXPECT_EQ(completed("rt-grid --str", "1"), "--structure\n");
     EXPECT_EQ(completed("rt-grid --structure n", "2"), "nested\n");
     EXPECT_EQ(completed("rt-grid ver", "1"), "verify\n");
     EXPECT_EQ(completed("rt-grid verify --ag", "2"), "--against\n");
+    EXPECT_EQ(completed("rt-plan upd", "1"), "update-goldens\n");
+    EXPECT_EQ(completed("rt-plan --sl", "1"), "--slurm\n");
+    EXPECT_EQ(completed("rt-plan run turn.plan.json --jo", "3"), "--jobs\n");
 }
 
 TEST_F(Installed, PackagesDependOnWhatTheyUse) {
@@ -155,6 +169,8 @@ TEST_F(Installed, PackagesDependOnWhatTheyUse) {
     EXPECT_THAT(expectSuccess({folder_.file("root/usr/bin/rt-grid"), "--version"}).out,
                 HasSubstr("rt-grid "));
     EXPECT_THAT(expectSuccess({folder_.file("root/usr/bin/rt-plan"), "--help"}).out, HasSubstr("rt-plan"));
+    for (const char* file : {"man/man1/rt-plan.1", "bash-completion/completions/rt-plan"})
+        EXPECT_TRUE(std::filesystem::exists(folder_.file("root/usr/share/") + file)) << file;
 }
 
 } // namespace

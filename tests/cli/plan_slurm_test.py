@@ -17,6 +17,7 @@ from slurm_cluster import SlurmCluster, why_not
 
 FRAMES = range(1, 13)
 SHARDS = 2
+RUN = "in Slurm %d"  # a name that Slurm reads otherwise if it is not quoted
 MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 PATH = [{"frame": 1, "eye": [3, 2, 0], "lookAt": [0, 0.4, 0]}, {"frame": 12, "eye": [0, 2, 3], "lookAt": [0, 0.4, 0]}]
 NEEDS = {"cores": 1, "memory": 200, "minutes": 5}
@@ -77,8 +78,8 @@ class Trial:
 def run_with_faults(trial, cluster):
     """The steps as `plan status` has them in the end."""
     environment = trial.environment | cluster.environment
-    trial.run(sys.executable, trial.plan, "tent.plan.json", "-o", "slurm", "--slurm", "jobs", "--tools", trial.faulty)
-    trial.run("sh", "jobs/submit.sh", environment=environment)
+    trial.run(sys.executable, trial.plan, "tent.plan.json", "-o", RUN, "--slurm", "the jobs", "--tools", trial.faulty)
+    trial.run("sh", "the jobs/submit.sh", environment=environment)
     begin = time.monotonic()
     cluster.wait_for(lambda: (trial.folder / "at.4").exists(), "the shard of frame 4 does not start", 60)
     cluster.kill("slurmd")
@@ -95,13 +96,13 @@ def run_with_faults(trial, cluster):
     time.sleep(1)
     cluster.start_controller()
     try:
-        cluster.wait_for(lambda: trial.status(cluster, trial.folder / "slurm")[0] in (0, 1), "not all steps end", 90)
+        cluster.wait_for(lambda: trial.status(cluster, trial.folder / RUN)[0] in (0, 1), "not all steps end", 90)
     finally:
-        code, steps = trial.status(cluster, trial.folder / "slurm")
+        code, steps = trial.status(cluster, trial.folder / RUN)
         print("\n".join(f"{step['id']} {step['state']} {step['why']}" for step in steps if step["state"] not in ("done", "skipped")))
     print(f"{time.monotonic() - begin:5.1f} s: all steps ended")
     assert code == 0, f"plan status ended with {code}"
-    cluster.wait_for(lambda: (trial.folder / "slurm/junit.xml").exists(), "the summary is not written", 60)
+    cluster.wait_for(lambda: (trial.folder / RUN / "junit.xml").exists(), "the summary is not written", 60)
     return {step["id"]: step for step in steps}
 
 
@@ -112,15 +113,15 @@ def check(trial, steps):
     assert codes == [6, 0], f"the shard that fails once ended with {codes}"
     cut_off = steps["trace-around-0004-1of2"]["attempts"]
     assert [a["why"] for a in cut_off] == ["cut off", ""], f"the shard on the dead node: {cut_off}"
-    pictures = sorted(path.name for path in (trial.folder / "slurm/around").glob("*.exr") if ".part" not in path.name)
+    pictures = sorted(path.name for path in (trial.folder / RUN / "around").glob("*.exr") if ".part" not in path.name)
     assert pictures == [f"around.{frame:04d}.exr" for frame in FRAMES], pictures
     for frame in FRAMES:
         for name in (f"around.{frame:04d}.exr", f"around.{frame:04d}.png"):
-            ours, local = ((trial.folder / run / "around" / name).read_bytes() for run in ("slurm", "local"))
+            ours, local = ((trial.folder / run / "around" / name).read_bytes() for run in (RUN, "local"))
             assert without_recipe(ours) == without_recipe(local), f"{name} is not that of the local run"
-    left = [path for path in (trial.folder / "slurm").rglob("*.tmp.*")]
+    left = [path for path in (trial.folder / RUN).rglob("*.tmp.*")]
     assert not left, f"left over: {left}"
-    summary = (trial.folder / "slurm/summary.txt").read_text()
+    summary = (trial.folder / RUN / "summary.txt").read_text()
     assert f"{expected} steps: {expected} done" in summary, summary
 
 

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unicodedata
 import unittest
 import xml.etree.ElementTree as ET
 import zlib
@@ -130,13 +131,18 @@ class PlanTest(unittest.TestCase):
         self.assertEqual(result.returncode, expect, f"{words}\n{result.stdout}{result.stderr}")
         return result.stdout if expect == 0 else result.stdout + result.stderr
 
+    def run_again(self, *words):
+        """Names of the steps that `plan run` calls."""
+        said = self.call("run", "tent.plan.json", *words)
+        return " ".join(re.findall(r"^\[\d+/\d+\] (\S+):", said, re.MULTILINE))
+
     def states(self, expect=0):
         steps = json.loads(self.call("status", "tent", "--json", expect=expect))["steps"]
         return {step["id"]: step for step in steps}
 
     def stand_in(self, script):
         """All tools do this instead; $out is what follows the first -o."""
-        head = "#!/bin/sh\nout=; previous=; for word; do [ \"$previous\" != -o ] || out=${out:-$word}; previous=$word; done\n"
+        head = "#!/bin/sh\n[ \"$1\" != --version ] || exit 0\nout=; previous=; for word; do [ \"$previous\" != -o ] || out=${out:-$word}; previous=$word; done\n"
         (self.folder / "tools").mkdir()
         for tool in ("rt-import", "rt-grid", "rt-trace", "rt-compare"):
             self.write(f"tools/{tool}", head + script, 0o755)
@@ -196,9 +202,11 @@ class DescriptionTest(PlanTest):
 
     def test_files_that_are_no_json(self):
         self.assertIn("cannot be read", self.call("tent.plan.json", expect=3))
-        for text in ('{"scenes": {', '{"scenes": {}, "scenes": {}}'):
+        for text in ('{"scenes": {', '{"scenes": {}, "scenes": {}}', "[" * 100000, '{"a\\nb": 1}', '{"scenes": ["\\ud800"]}'):
             self.write("tent.plan.json", text)
-            self.assertIn("tent.plan.json: ", self.call("tent.plan.json", expect=4))
+            self.assertRegex(self.call("tent.plan.json", expect=4), r"^plan: error: tent\.plan\.json: .*\n$")
+        self.write("a\nb.plan.json", json.dumps(GOOD))
+        self.assertRegex(self.call("a\nb.plan.json", expect=4), r"^plan: error: '.*a\\nb': has a control character.*\n$")
 
     def test_the_example_is_good(self):
         example = ROOT / "pipelines/turntable/turntable.plan.json"
@@ -220,6 +228,19 @@ class StepsTest(PlanTest):
         self.assertIn("trace-whole-0001: 1 gpu, 1 cores", self.call("tent.plan.json"))
         self.assertFalse((self.folder / "tent").exists())
 
+    def test_version_and_help_are_those_of_the_tools(self):
+        version = subprocess.run([TOOLS / "rt-grid", "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
+        self.assertEqual(self.call("--version"), f"plan {version}\n")
+        for command in ("run", "step", "status", "report", "update-goldens"):
+            self.assertRegex(self.call(command, "--help"), rf"^[A-Z].*\nUsage: plan {command} \[OPTIONS\] (FILE|DIR)")
+            self.assertRegex(self.call(command, expect=2), r"^plan: error: .* required: .*; see plan .* --help\n$")
+
+    def test_runs_without_a_name_or_a_folder_are_refused(self):
+        self.describe()
+        for name, said in ((".plan.json", "rename it"), ("tent", "is no folder; name one")):
+            self.write(name, json.dumps(GOOD))
+            self.assertIn(said, self.call("run", name, expect=2 if name.startswith(".") else 3))
+
     def test_printing_and_exporting_do_not_go_together(self):
         self.describe()
         for printing in ("--json", "--dry-run"):
@@ -239,28 +260,87 @@ class StepsTest(PlanTest):
         self.assertEqual(times, {name: (self.folder / name).stat().st_mtime_ns for name in files})
         self.assertEqual(subprocess.run(["sh", "-n", self.folder / "s/submit.sh"]).returncode, 0)
 
-    def test_openjd_template_has_the_specified_shape(self):
+    def template(self, file="o.json"):
         self.describe()
-        self.call("tent.plan.json", "--openjd", "o.json")
-        template = json.loads((self.folder / "o.json").read_text())
+        self.call("tent.plan.json", "--openjd", file)
+        return json.loads((self.folder / file).read_text())
+
+    def test_openjd_template_is_what_the_specification_says(self):
+        """Of the template schemas 2023-09, all that applies: keys, types, lengths, counts, names that must lead somewhere."""
+        template = self.template()
         self.assertEqual(template["specificationVersion"], "jobtemplate-2023-09")
         self.assertEqual(set(template), {"specificationVersion", "name", "parameterDefinitions", "steps"})
+        self.assertTrue(0 < len(template["name"]) <= 128)
+        (parameter,) = template["parameterDefinitions"]
+        self.assertEqual(set(parameter), {"name", "type", "objectType", "dataFlow", "default", "description"})
+        self.assertEqual((parameter["type"], parameter["objectType"], parameter["dataFlow"]), ("PATH", "DIRECTORY", "INOUT"))
+        self.assertTrue(0 < len(parameter["description"]) <= 2048)
         names = [step["name"] for step in template["steps"]]
         self.assertEqual(len(names), len(set(names)))
         for i, step in enumerate(template["steps"]):
             self.assertLessEqual(len(step["name"]), 64)
             self.assertLessEqual(set(step), {"name", "dependencies", "hostRequirements", "parameterSpace", "script"})
-            self.assertTrue({d["dependsOn"] for d in step.get("dependencies", [])} <= set(names[:i]))
-            for amount in step["hostRequirements"]["amounts"]:
-                self.assertRegex(amount["name"], r"^amount\.worker\.(vcpu|memory|gpu)$")
-                self.assertGreater(amount["min"], 0)
+            self.check_dependencies(step.get("dependencies"), names[:i])
+            self.assertEqual(set(step["hostRequirements"]), {"amounts"})
+            amounts = {amount["name"]: amount["min"] for amount in step["hostRequirements"]["amounts"]}
+            self.assertEqual(len(amounts), len(step["hostRequirements"]["amounts"]))
+            self.assertLessEqual(set(amounts), {"amount.worker.vcpu", "amount.worker.memory", "amount.worker.gpu"})
+            self.assertGreaterEqual(min(amounts.values()), 1)
+            self.assertEqual((set(step["parameterSpace"]), set(step["script"]), set(step["script"]["actions"])),
+                             ({"taskParameterDefinitions"}, {"actions"}, {"onRun"}))  # fmt: skip
             (parameter,) = step["parameterSpace"]["taskParameterDefinitions"]
-            self.assertEqual((parameter["name"], parameter["type"]), ("Step", "STRING"))
+            self.assertEqual((set(parameter), parameter["name"], parameter["type"]), ({"name", "type", "range"}, "Step", "STRING"))
             self.assertTrue(0 < len(parameter["range"]) <= 1024)
-            action = step["script"]["actions"]["onRun"]
-            self.assertEqual(set(action), {"command", "args", "timeout", "cancelation"})
-            used = re.findall(r"{{(.*?)}}", " ".join(action["args"]))
-            self.assertEqual(used, ["Param.Folder", "Task.Param.Step"])
+            self.assertTrue(all(0 < len(value) <= 1024 and "{{" not in value for value in parameter["range"]))
+            self.check_action(step["script"]["actions"]["onRun"])
+
+    def check_dependencies(self, dependencies, before):
+        if dependencies is None:
+            return
+        names = [dependency["dependsOn"] for dependency in dependencies]
+        self.assertTrue(names and all(set(dependency) == {"dependsOn"} for dependency in dependencies))
+        self.assertEqual(len(names), len(set(names)))
+        self.assertLessEqual(set(names), set(before))
+
+    def check_action(self, action):
+        self.assertEqual(set(action), {"command", "args", "timeout", "cancelation"})
+        self.assertIsInstance(action["timeout"], int)
+        self.assertGreater(action["timeout"], 0)
+        self.assertEqual(set(action["cancelation"]), {"mode", "notifyPeriodInSeconds"})
+        self.assertEqual(action["cancelation"]["mode"], "NOTIFY_THEN_TERMINATE")
+        self.assertTrue(0 < action["cancelation"]["notifyPeriodInSeconds"] <= 600)
+        used = re.findall(r"{{(.*?)}}", " ".join([action["command"], *action["args"]]))
+        self.assertEqual(used, ["Param.Folder", "Task.Param.Step"])
+        self.assertFalse(any(unicodedata.category(c) == "Cc" for word in (action["command"], *action["args"]) for c in word))
+
+    def test_openjd_default_folder_counts_from_the_template_and_stays_in_its_folder(self):
+        self.assertEqual(self.template()["parameterDefinitions"][0]["default"], "tent")
+        (self.folder / "jobs").mkdir()
+        parameter = self.template("jobs/o.json")["parameterDefinitions"][0]
+        self.assertNotIn("default", parameter)
+        self.assertIn(str(self.folder / "tent"), parameter["description"])
+
+    def test_openjd_names_that_it_cannot_hold_are_refused(self):
+        for name in ("a{{b", "n" * 129):
+            self.write(f"{name}.plan.json", json.dumps(GOOD))
+            self.assertIn("Open Job Description", self.call(f"{name}.plan.json", "-o", "x", "--openjd", "o.json", expect=4))
+
+    def test_names_that_differ_little_stay_apart(self):
+        """In shell variables, and in steps: turn-0001 is frame 1 of turn, or a still."""
+        document = copy.deepcopy(GOOD)
+        document["atlases"] |= {"a-b": {"scene": "tent"}, "a_b": {"scene": "tent"}}
+        document["renders"] |= {name: LOOK | {"atlas": name} for name in ("a-b", "a_b")}
+        self.describe(document)
+        self.call("tent.plan.json", "--slurm", "s")
+        text = (self.folder / "s/submit.sh").read_text()
+        jobs = {name: (job, after) for job, after, name in
+                re.findall(r"^(job_\d+)=\$\(sbatch .*--parsable (?:--dependency=afterok:(\S+) )?\S*/(\S+)\.sbatch\)$", text, re.MULTILINE)}  # fmt: skip
+        self.assertEqual(len({job for job, _ in jobs.values()}), 1 + 3 + 5 + 1 + 1)
+        for name in ("a-b", "a_b"):
+            self.assertEqual(jobs[f"trace-{name}"][1], f"${{{jobs[f'grid-{name}'][0]}}}")
+        document["renders"]["around-0002"] = LOOK | {"shards": 2}
+        self.describe(document)
+        self.assertRegex(self.call("tent.plan.json", expect=4), r"^plan: error: tent\.plan\.json: two steps .* trace-around-0002-1of2")
 
     def test_a_step_of_a_plan_that_changed_is_refused(self):
         self.describe()
@@ -274,6 +354,7 @@ class RunTest(PlanTest):
         self.describe(changed(("renders", "around", "frames"), [1, 2]))
         self.stand_in('echo "$RT_DEVICE" >"$(printf "${out:-x}" 1).device"; sleep 0.2; mkdir -p around whole still same\n'
                       'for f in tent.rtmesh tent.rtatlas still/still.exr still/still.png; do : >$f; done\n'
+                      'for n in 0001 0002; do for e in html json; do : >same/same.$n.$e; done; done\n'
                       'for n in 0001 0002; do for k in around whole; do for e in exr png part1of2.exr part2of2.exr; do '
                       ': >$k/$k.$n.$e; done; done; done\n')  # fmt: skip
         self.call("run", "tent.plan.json", "-j", "6")
@@ -290,6 +371,20 @@ class RunTest(PlanTest):
         self.assertTrue(any(a[0] < b[1] and b[0] < a[1] for a in one for b in two), spans)
         devices = {path.read_text() for path in (self.folder / "tent").rglob("*part*.device")}
         self.assertEqual(devices, {"software\n"})
+
+    def test_software_and_hardware_make_different_pictures(self):
+        """As rt-trace has it: auto may be any device but the one that is asked for as software."""
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {"renders": {"still": LOOK}})
+        self.stand_in("case $0 in *import) [ -e tent.rtmesh ] || : >tent.rtmesh ;; *grid) : >tent.rtatlas ;; "
+                      "*trace) echo $RT_DEVICE >still/still.exr; : >still/still.png ;; esac\n")  # fmt: skip
+        rows = (("RT_DEVICES", "software"), ("RT_DEVICES", "cuda:0,software"), ("RT_DEVICES", "cuda:0"), ("RT_DEVICES", "cuda:1"), ("RT_DEVICE", "0"),
+                ("RT_DEVICE", "software"))  # fmt: skip
+        for (variable, devices), made in zip(rows, ("software", "software", "cuda:0", "cuda:0", "cuda:0", "software")):
+            for name in ("RT_DEVICE", "RT_DEVICES"):
+                self.environment.pop(name, None)
+            self.environment[variable] = devices
+            self.call("run", "tent.plan.json")
+            self.assertEqual((self.folder / "tent/still/still.exr").read_text(), made + "\n", devices)
 
     def test_failures_are_retried_so_often_and_no_more(self):
         self.describe()
@@ -325,29 +420,96 @@ class RunTest(PlanTest):
         self.call("step", "tent", "import-tent")
         (self.folder / "tent/tent.rtmesh").unlink()
         state = self.states(expect=10)["import-tent"]
-        self.assertEqual((state["state"], state["why"]), ("waiting", "tent.rtmesh is gone: run the step again"))
+        self.assertEqual((state["state"], state["why"]), ("waiting", "tent.rtmesh is gone"))
         self.write("tent/slurm-jobs.tsv", "")
         self.write("squeue", "#!/bin/sh\n", 0o755)
         self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
         state = self.states(expect=1)["import-tent"]
         self.assertEqual(state["state"], "blocked")
+        self.assertRegex(self.call("status", "tent", expect=1), r"\nnext: run the pipeline again: .*\n$")
+        self.write("tent/slurm-jobs.tsv", "7\ttasks\n")
+        self.write("tent/tasks", "import-tent@12345678\n")
+        self.write("squeue", "#!/bin/sh\necho '7_1|PENDING|launch failed requeued held'\n", 0o755)
+        said = self.call("status", "tent", expect=1)
+        self.assertRegex(said, r"waiting +import-tent +Slurm job 7_1 PENDING \(launch failed requeued held\)\n")
+        self.assertRegex(said, r"\nnext: Slurm holds 1 steps: scontrol update .*, then scontrol release 7_1\n$")
+        self.assertIn("is not the folder of a run", self.call("status", "devices", expect=3))
 
-    def test_a_golden_that_is_missing_fails_until_it_is_there(self):
-        comparison = {"gate": {"render": "still", "golden": "golden/still.exr"}}
-        self.describe({"scenes": GOOD["scenes"], "atlases": GOOD["atlases"], "renders": {"still": LOOK}, "comparisons": comparison})
-        self.assertIn("golden/still.exr", self.call("run", "tent.plan.json", expect=1))
-        (self.folder / "golden").mkdir()
-        shutil.copy(self.folder / "tent/still/still.exr", self.folder / "golden/still.exr")
-        self.assertIn("4 steps: 4 done", self.call("run", "tent.plan.json"))
-        self.assertIn("no work to do", self.call("run", "tent.plan.json"))
+    def describe_goldens(self):
+        comparison = {"gate": {"render": "still", "golden": "golden/still.exr"},
+                      "path": {"render": "around", "golden": "golden/%d/around.%04d.exr"}}  # fmt: skip
+        renders = {"still": LOOK, "around": LOOK | {"cameraPath": "path.json", "frames": [1, 2]}}
+        self.describe({"scenes": GOOD["scenes"], "atlases": GOOD["atlases"], "renders": renders, "comparisons": comparison})
+
+    def test_goldens_are_made_of_a_finished_run(self):
+        self.describe_goldens()
+        said = self.call("run", "tent.plan.json", expect=1)
+        self.assertRegex(said, "failed +compare-gate +there is no golden ../golden/still.exr: look at still/still.exr, .* update-goldens")
+        said = self.call("update-goldens", "tent")
+        self.assertEqual(re.findall(r": (.*)$", said, re.MULTILINE), ["new"] * 3)
+        self.assertEqual((self.folder / "golden/2/around.0002.exr").read_bytes(), (self.folder / "tent/around/around.0002.exr").read_bytes())
+        self.assertEqual(self.run_again(), "import-tent compare-gate compare-path-0001 compare-path-0002")
         (self.folder / "golden/still.exr").write_bytes(b"no picture")
         self.assertIn("compare-gate", self.call("run", "tent.plan.json", expect=1))
         self.assertFalse((self.folder / "tent/gate/gate.passed").exists())
+        said = self.call("update-goldens", "tent")
+        self.assertEqual(re.findall(r": (.*)$", said, re.MULTILINE), ["replaced", "the same", "the same"])
+        self.call("run", "tent.plan.json")
+
+    def test_goldens_are_replaced_all_or_none(self):
+        self.describe_goldens()
+        self.call("tent.plan.json", "--ninja", "n")
+        self.assertIn("trace-still has not made it", self.call("update-goldens", "tent", expect=3))
+        self.call("run", "tent.plan.json", expect=1)
+        (self.folder / "golden").mkdir()
+        self.write("golden/2", "where a folder should be")
+        self.write("golden/still.exr", "old")
+        self.assertRegex(self.call("update-goldens", "tent", expect=3), "^plan: error: .*golden/2.*\n$")
+        self.assertEqual([path.name for path in (self.folder / "golden").rglob("*.*")], ["still.exr"])
+        (self.folder / "golden/2").unlink()
+        picture = self.folder / "tent/around/around.0002.exr"
+        picture.write_bytes(picture.read_bytes()[:-1])
+        self.assertIn("around.0002.exr: trace-around-0002 has not made it, or it changed", self.call("update-goldens", "tent", expect=3))
+        self.assertEqual((self.folder / "golden/still.exr").read_text(), "old")
+        self.call("run", "tent.plan.json", expect=1)
+        self.call("update-goldens", "tent")
+        self.call("run", "tent.plan.json")
+
+    def test_goldens_that_cannot_be_made_of_renders_are_refused(self):
+        self.describe_goldens()
+        for golden, said in (("golden/still.png", "end in .exr"), ("path.json/x.exr", "path.json"), ("golden/1/around.0001.exr", "too; rename one")):
+            document = json.loads((self.folder / "tent.plan.json").read_text())
+            document["comparisons"]["gate"]["golden"] = golden
+            self.write("more.plan.json", json.dumps(document))
+            self.call("run", "more.plan.json", "-o", "tent", expect=1)
+            self.assertIn(said, self.call("update-goldens", "tent", expect=3 if "path" in golden else 4))
+            self.assertFalse((self.folder / "golden").exists())
+
+    def test_tools_elsewhere_are_the_same_tools(self):
+        self.describe()
+        self.call("run", "tent.plan.json")
+        shutil.copytree(TOOLS, self.folder / "moved", ignore=lambda folder, names: [name for name in names if not re.fullmatch("rt-[a-z]+", name)])
+        here = self.environment.pop("RT_TOOLS_DIR")
+        said = self.call("run", "tent.plan.json", expect=3)
+        self.assertRegex(said, r"^plan: error: PATH: there is no rt-compare, .*rt-trace in it; name .* --tools DIR or \$RT_TOOLS_DIR")
+        self.call("tent.plan.json", "--ninja", "n")
+        for step in ("import-tent", "grid-tent"):  # as an engine would
+            self.call("step", "tent", step, expect=127)
+        said = self.call("status", "tent", expect=1)
+        self.assertRegex(said, r"failed +import-tent +rt-import: error: cannot be run: .*; name the folder of the tools with --tools DIR")
+        self.assertIn("next: see the logs", said)
+        for folder in (self.folder / "moved", here):
+            self.environment["RT_TOOLS_DIR"] = str(folder)
+            self.assertIn(self.run_again(), ("import-tent grid-tent", "import-tent"))
+            self.assertLessEqual({step["state"] for step in self.states().values()}, {"done", "skipped"})
+        (self.folder / "moved/rt-compare").unlink()
+        self.environment["RT_TOOLS_DIR"] = str(self.folder / "moved")
+        self.assertIn("moved: there is no rt-compare in it", self.call("run", "tent.plan.json", expect=3))
 
     def test_a_step_that_was_cut_off_goes_on_and_is_not_run_twice_at_a_time(self):
         self.describe()
         self.stand_in("")
-        self.write("tools/rt-import", "#!/bin/sh\necho x >>starts; while [ -e starts ] && [ ! -e go ]; do sleep 0.02; done; : >tent.rtmesh\n", 0o755)
+        self.write("tools/rt-import", "#!/bin/sh\n[ $1 != --version ] || exit 0\necho x >>starts; while [ -e starts ] && [ ! -e go ]; do sleep 0.02; done; : >tent.rtmesh\n", 0o755)
         self.call("tent.plan.json", "--ninja", "n")
         words = [sys.executable, PLAN, "step", "tent", "import-tent"]
         first = subprocess.Popen(words, cwd=self.folder, env=self.environment)
@@ -363,6 +525,66 @@ class RunTest(PlanTest):
         self.assertEqual(second.wait(timeout=20), 0)
         state = self.states(expect=10)["import-tent"]
         self.assertEqual([attempt["why"] for attempt in state["attempts"]], ["cut off", ""])
+
+    def test_a_run_that_was_killed_goes_on_and_a_second_one_beside_it_is_refused(self):
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {"renders": {"still": LOOK}})
+        self.stand_in("while [ ! -e go ]; do sleep 0.02; done; mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        words = [sys.executable, PLAN, "run", "tent.plan.json"]
+        first = subprocess.Popen(words, cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL)
+        self.wait_for((self.folder / "tent/logs/import-tent.log").exists)
+        self.assertRegex(self.call("run", "tent.plan.json", expect=3), r"^plan: error: .*/tent: another run of it is at work; wait .*\n$")
+        first.kill()  # its tool goes on
+        first.wait()
+        self.assertEqual(self.states(expect=10)["import-tent"]["state"], "running")
+        second = subprocess.Popen(words, cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL)
+        time.sleep(0.3)
+        (self.folder / "tent/go").touch()
+        self.assertEqual(second.wait(timeout=20), 0)
+        states = self.states()
+        self.assertEqual({step["state"] for step in states.values()}, {"done"})
+        self.assertEqual([attempt["why"] for attempt in states["import-tent"]["attempts"]], ["cut off", ""])
+
+    def test_a_run_that_cannot_write_its_records_says_so(self):
+        self.describe()
+        self.stand_in("")
+        self.call("tent.plan.json", "--ninja", "n")
+        self.write("tent/steps", "no folder")
+        for words in (("run", "tent.plan.json"), ("status", "tent"), ("step", "tent", "import-tent")):
+            self.assertRegex(self.call(*words, expect=3), r"^plan: error: \S*tent/steps\S*: .*\n$")
+
+    def test_records_that_are_none_do_not_count(self):
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {"renders": {"still": LOOK}})
+        self.call("run", "tent.plan.json")
+        record = json.loads((self.folder / "tent/steps/trace-still.json").read_text())
+        for wrong in ("", "[]", "{", json.dumps(record | {"attempts": 1}), json.dumps(record | {"files": []}), json.dumps(record | {"state": "?"})):
+            self.write("tent/steps/trace-still.json", wrong)
+            self.assertEqual(self.states(expect=10)["trace-still"]["state"], "waiting")
+            self.assertEqual(self.run_again(), "import-tent trace-still")
+
+    def test_names_and_folders_may_be_odd(self):
+        """Spaces, letters, shell's and printf's signs, and a run's folder that is a link to another place."""
+        odd = self.folder / "söme ' $x #1 %d b"
+        (self.folder / "disk").mkdir()
+        odd.mkdir()
+        for name in ("tent.obj", "path.json"):
+            (self.folder / name).rename(odd / name)
+        (odd / "run ü").symlink_to(self.folder / "disk")
+        self.folder = odd
+        golden = {"gate": {"render": "around", "golden": "gold %d/t %04d.exr"}}
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases", "renders", "resources")} | {"comparisons": golden})
+        said = self.call("run", "tent.plan.json", "-o", "run ü", expect=1)
+        self.assertIn("10 done, 2 failed", said)
+        self.assertIn("gold 2/t 0002.exr: new", self.call("update-goldens", "run ü"))
+        self.call("run", "tent.plan.json", "-o", "run ü")
+        self.call("tent.plan.json", "-o", "ni n", "--ninja", "n", "--slurm", "s s")
+        for said in ("[12/12]", "no work to do"):
+            ninja = subprocess.run(["ninja", "-C", "ni n", "-f", odd / "n"], cwd=odd, env=self.environment, capture_output=True, text=True)
+            self.assertEqual(ninja.returncode, 0, ninja.stdout)
+            self.assertIn(said, ninja.stdout)
+        self.assertEqual((odd / "ni n/around/around.0002.exr").read_bytes(), (odd / "run ü/around/around.0002.exr").read_bytes())
+        self.assertIn(f'#SBATCH --output="{odd}/ni n/logs/slurm-tent.merge-around-%a.log"'.replace("%d", "%%d"),
+                      (odd / "s s/merge-around.sbatch").read_text())  # fmt: skip
+        self.assertEqual(subprocess.run(["sh", "-n", odd / "s s/submit.sh"]).returncode, 0)
 
     def test_an_interrupted_run_ends_with_one_line_and_leaves_nothing_running(self):
         self.describe()
@@ -386,6 +608,120 @@ class RunTest(PlanTest):
         while not condition():
             self.assertLess(time.monotonic(), end)
             time.sleep(0.02)
+
+
+class ChangesTest(PlanTest):
+    """Exactly the steps do something that have to, in a chain of real tools."""
+
+    TRACES = "trace-whole trace-parts-1of2 trace-parts-2of2"
+    ALL = f"import-tent grid-tent {TRACES} trace-turn-0001 merge-parts compare-same"
+    SHOWN = {"atlas": "tent", "camera": "front", "size": [8, 64]}
+
+    def setUp(self):
+        super().setUp()
+        self.environment |= {"XDG_CACHE_HOME": str(self.folder / "cache"), "RT_TOOLS_DIR": str(self.folder / "tools")}
+        del self.environment["RT_NO_SHADER_CACHE"]  # in this test's own folder it does no harm
+        (self.folder / "tools").mkdir()
+        for tool in ("rt-import", "rt-grid", "rt-trace", "rt-compare"):
+            (self.folder / "tools" / tool).symlink_to(TOOLS / tool)
+        textured = re.sub(r"^f (\d) (\d) (\d)", r"f \1/1 \2/1 \3/1", MODEL, flags=re.MULTILINE)
+        self.write("tent.obj", f"mtllib tent.mtl\nvt 0 0\nusemtl a\n{textured}")
+        self.write("tent.mtl", "newmtl a\nKd 1 1 1\nmap_Kd t.ppm\n")
+        self.write("t.ppm", "P6\n1 1\n255\nabc")
+        self.write("tent.scene.json", json.dumps({
+            "models": [{"file": "tent.obj"}], "lights": [{"kind": "point", "position": [2, 4, 1], "intensity": 10}],
+            "cameras": [{"name": "front", "eye": [3, 2, 0], "lookAt": [0, 0.4, 0]}]}))  # fmt: skip
+        self.document = {
+            "scenes": {"tent": {"inputs": ["tent.scene.json"], "options": []}},
+            "atlases": {"tent": {"scene": "tent", "structure": "cloud"}},
+            "renders": {"whole": self.SHOWN | {"options": []}, "parts": self.SHOWN | {"shards": 2, "options": []},
+                        "turn": {"atlas": "tent", "cameraPath": "path.json", "frames": [1, 1], "size": [8, 8]}},
+            "comparisons": {"same": {"render": "parts", "against": "whole", "limits": {"max-rmse": 0}}},
+        }  # fmt: skip
+        self.describe(self.document)
+
+    def edit(self, name, old, new):
+        text = (self.folder / name).read_text()
+        self.assertIn(old, text)
+        self.write(name, text.replace(old, new))
+
+    def option(self, kind, *names, words):
+        for name in names:
+            self.document[kind][name].setdefault("options", []).extend(words)
+        self.describe(self.document)
+
+    def upgrade(self, tool):
+        version = subprocess.run([TOOLS / tool, "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
+        later = version[:-1] + ("8" if version.endswith("9") else "9")
+        link = self.folder / "tools" / tool
+        program = link.read_bytes().replace(version.encode(), later.encode())
+        link.unlink()
+        link.write_bytes(program)
+        link.chmod(0o755)
+
+    def touch_all(self):
+        for i, path in enumerate(sorted(self.folder.rglob("*.*"))):
+            if not path.is_dir() and "tools" not in path.parts:
+                os.utime(path, (time.time() + 3600 * (i % 5 - 2),) * 2)
+
+    def flip(self, name):
+        """One bit, and the time stamp says nothing."""
+        path = self.folder / "tent" / name
+        status = path.stat()
+        with open(path, "r+b") as file:
+            file.seek(status.st_size // 2)
+            byte = file.read(1)[0]
+            file.seek(-1, os.SEEK_CUR)
+            file.write(bytes([byte ^ 1]))
+        os.utime(path, ns=(status.st_atime_ns, status.st_mtime_ns))
+
+    def cut(self, name):
+        os.truncate(self.folder / "tent" / name, (self.folder / "tent" / name).stat().st_size - 1)
+
+    def replace_by_older(self, name, content):
+        self.write("older", content)
+        os.utime(self.folder / "older", (1, 1))
+        os.replace(self.folder / "older", self.folder / name)
+
+    def rows(self):
+        """(what changes, how, what works then)."""
+        seen = f"{self.TRACES} merge-parts compare-same"
+        yield "nothing", lambda: None, ""
+        yield "time stamps", self.touch_all, ""
+        yield "a light", lambda: self.edit("tent.scene.json", '"intensity": 10', '"intensity": 12'), self.ALL
+        yield "a camera", lambda: self.edit("tent.scene.json", '"eye": [3', '"eye": [2'), self.ALL
+        yield "a texture", lambda: self.write("t.ppm", "P6\n1 1\n255\nabd"), self.ALL
+        yield "a texture, older", lambda: self.replace_by_older("t.ppm", "P6\n1 1\n255\naba"), self.ALL
+        yield "a mesh", lambda: self.edit("tent.obj", "v 0 1 0", "v 0 1.5 0"), self.ALL
+        yield "a comment", lambda: self.edit("tent.mtl", "newmtl a", "# A\nnewmtl a"), "import-tent"
+        yield "a camera's path, older", lambda: self.replace_by_older("path.json", json.dumps(PATH).replace("[3, 2, 0]", "[3, 2, 1]")), "trace-turn-0001"
+        yield "an option of rt-import", lambda: self.option("scenes", "tent", words=["--weld", "0"]), "import-tent"
+        yield "an option of rt-grid", lambda: self.option("atlases", "tent", words=["--resolution", "7"]), self.ALL.removeprefix("import-tent ")
+        yield "an option of rt-trace", lambda: self.option("renders", "whole", words=["--max-depth", "2"]), "trace-whole"
+        yield "one that is seen", lambda: self.option("renders", "whole", "parts", words=["--ambient", "0.5"]), seen
+        yield "an option of rt-compare", lambda: self.option("comparisons", "same", words=["--worst", "2"]), "compare-same"
+        for tool, works in (("import", "import-tent"), ("grid", "grid-tent"), ("trace", seen + " trace-turn-0001"), ("compare", "compare-same")):
+            yield tool, lambda: self.upgrade(f"rt-{tool}"), works
+        outputs = {"tent.rtmesh": "import-tent", "tent.rtatlas": "grid-tent", "whole/whole.exr": "trace-whole", "whole/whole.png": "trace-whole",
+                   "parts/parts.part2of2.exr": "trace-parts-2of2", "parts/parts.exr": "merge-parts", "same/same.html": "compare-same"}  # fmt: skip
+        for name, works in outputs.items():
+            yield f"a bit of {name}", lambda: self.flip(name), works
+            yield f"the end of {name}", lambda: self.cut(name), works
+            yield f"{name}, older", lambda: self.replace_by_older(f"tent/{name}", "what was here before"), works
+            yield f"{name}, gone", (self.folder / "tent" / name).unlink, works
+        yield "a stamp", (self.folder / "tent/same/same.passed").unlink, ""
+
+    def run_working(self):
+        said = self.call("run", "tent.plan.json")
+        return set(re.findall(r"^\[\d+/\d+\] (\S+): (?!.*up to date)", said, re.MULTILINE))
+
+    def test_exactly_the_steps_work_that_have_to(self):
+        self.assertEqual(self.run_working(), set(self.ALL.split()))
+        for change, make, works in self.rows():
+            with self.subTest(change=change):
+                make()
+                self.assertEqual(self.run_working(), set(works.split()))
+        self.assertEqual(self.run_again(), "import-tent")
 
 
 class ThumbnailTest(unittest.TestCase):
@@ -416,11 +752,12 @@ class WholeTest(PlanTest):
     def test_ninja_make_and_reports(self):
         self.describe()
         self.assertIn("12 steps: 12 done", self.call("run", "tent.plan.json"))
-        self.assertIn("no work to do", self.call("run", "tent.plan.json"))
+        self.assertEqual(self.run_again(), "import-tent")
         self.call("tent.plan.json", "-o", "made", "--make", "Makefile")
         make = ["make", "-C", self.folder / "made", "-f", self.folder / "Makefile"]
         self.assertEqual(subprocess.run([*make, "-j2"], env=self.environment, capture_output=True).returncode, 0)
         self.assertEqual(subprocess.run([*make, "-q"], env=self.environment, capture_output=True).returncode, 0)
+        self.assertEqual(self.run_again("-o", "made"), "import-tent")
         for name in ("around/around.0002.exr", "whole/whole.0001.png", "still/still.exr"):
             self.assertEqual((self.folder / "made" / name).read_bytes(), (self.folder / "tent" / name).read_bytes(), name)
         self.check_reports()

@@ -1,0 +1,71 @@
+"""Makes the goldens of a pipeline from the pictures of a run."""
+import contextlib
+import filecmp
+import os
+import pathlib
+import shutil
+import tempfile
+
+from planner.errors import FILE_ACCESS, INVALID_CONTENT, USAGE, PlanError
+from planner.freshness import untouched
+from planner.run_step import read_record
+
+
+def update_goldens(graph, folder):
+    """What was done, in lines. Throws PlanError and replaces nothing if a picture is not there yet, or a copy cannot be made."""
+    pictures = {}  # golden: picture
+    for name, made in graph.comparisons.items():
+        for item in made:
+            if item["golden"] and pictures.setdefault(item["golden"], item["exr"]) != item["exr"]:
+                raise PlanError(INVALID_CONTENT, f"$.comparisons.{name}.golden: is the golden of {pictures[item['golden']]} too; rename one")
+    if not pictures:
+        raise PlanError(USAGE, f"{folder}: no comparison has a golden; see the README of the pipelines")
+    check_pictures(graph, folder, pictures)
+    return replace_all([(folder / picture, golden_path(folder, golden)) for golden, picture in pictures.items()])
+
+
+def golden_path(folder, golden):
+    path = pathlib.Path(os.path.normpath(folder / golden))
+    if path.suffix != ".exr":
+        raise PlanError(INVALID_CONTENT, f"{path}: goldens that are made of renders end in .exr; rename it in the description")
+    if path.is_dir():
+        raise PlanError(FILE_ACCESS, f"{path}: is a folder; remove it, or name another golden")
+    return path
+
+
+def check_pictures(graph, folder, pictures):
+    """All are whole and of the last run."""
+    steps = {step.id: step for step in graph.steps}
+    makers = {picture["exr"]: steps[picture["step"]] for made in graph.renders.values() for picture in made}
+    for picture in pictures.values():
+        record = read_record(folder, makers[picture])
+        done = record and record["state"] in ("done", "skipped") and untouched(folder, record, [picture])
+        if not done:
+            raise PlanError(FILE_ACCESS, f"{folder / picture}: {makers[picture].id} has not made it, or it changed since; run the pipeline")
+
+
+def replace_all(pairs):
+    """Copies all before it replaces the first."""
+    with contextlib.ExitStack() as copies:
+        made = [(copied(copies, source, target), target) for source, target in pairs if not is_same(source, target)]
+        new = {target for _, target in made if not target.exists()}
+        for copy, target in made:
+            os.replace(copy, target)
+    replaced = {target for _, target in made} - new
+    return [f"{target}: {'new' if target in new else 'replaced' if target in replaced else 'the same'}" for _, target in pairs]
+
+
+def is_same(source, target):
+    return target.exists() and filecmp.cmp(source, target, shallow=False)
+
+
+def copied(copies, source, target):
+    target.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=target.name[:100] + ".tmp.")
+    copies.callback(pathlib.Path(name).unlink, missing_ok=True)
+    with os.fdopen(handle, "wb") as file, open(source, "rb") as content:
+        shutil.copyfileobj(content, file)
+        file.flush()
+        os.fsync(file.fileno())
+        os.fchmod(file.fileno(), 0o644)
+    return name
