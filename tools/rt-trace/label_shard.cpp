@@ -1,5 +1,7 @@
 #include "tools/rt-trace/label_shard.h"
 
+#include "formats/image_attributes.h"
+
 #include <span>
 
 namespace rt {

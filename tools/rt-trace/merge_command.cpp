@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "common/progress.h"
 #include "common/stage_timer.h"
+#include "formats/image_attributes.h"
 #include "formats/image_exr.h"
 #include "formats/recipe.h"
 #include "tools/rt-trace/merge_shards.h"
@@ -190,9 +191,9 @@ nlohmann::json reportOf(const std::vector<ShardFile>& files, const Image& header
                              {"shardBy", kShardKindNames[static_cast<std::size_t>(files[0].record.kind)]},
                              {"width", header.width},
                              {"height", header.height},
-                             {"samplesPerPixel", header.ints.at("samplesPerPixel")}};
-    if (const auto seconds = header.floats.find("renderTimeSeconds"); seconds != header.floats.end())
-        report["renderTimeSeconds"] = seconds->second;
+                             {kSamplesKey, header.ints.at(kSamplesKey)}};
+    if (const auto seconds = header.floats.find(kRenderSecondsKey); seconds != header.floats.end())
+        report[kRenderSecondsKey] = seconds->second;
     for (const auto& [stage, ms] : stages.stagesMs()) report[stage + "Ms"] = ms;
     report["peakMemoryBytes"] = peakMemoryBytes();
     return report;
