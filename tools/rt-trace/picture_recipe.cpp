@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <map>
+
 namespace rt {
 
 std::vector<RecipeInput> inputsOf(const TraceOptions& options) {
@@ -34,17 +36,22 @@ Recipe recipeOfReport(const TraceOptions& options) {
 }
 
 bool isUpToDate(const TraceOptions& options) {
-    std::vector<RecipeOutput> outputs;
+    std::vector<std::string> outputs;
+    std::map<std::string, Recipe> recipes;
+    const auto add = [&](const std::string& path, Recipe recipe) {
+        outputs.push_back(path);
+        recipes[path] = std::move(recipe);
+    };
     for (const std::string& path : options.outputPaths) {
-        if (!options.frames) outputs.push_back({path, options.recipe});
+        if (!options.frames) add(path, options.recipe);
         const FrameRange frames = options.frames.value_or(FrameRange{1, 0});
         for (std::uint64_t frame = frames.first; frame <= frames.last; ++frame)
-            outputs.push_back({framePath(path, static_cast<unsigned>(frame)).value_or(path),
-                               recipeOfFrame(options.recipe, static_cast<unsigned>(frame))});
+            add(framePath(path, static_cast<unsigned>(frame)).value_or(path),
+                recipeOfFrame(options.recipe, static_cast<unsigned>(frame)));
     }
-    if (!options.common.jsonPath.empty())
-        outputs.push_back({options.common.jsonPath, recipeOfReport(options)});
-    return isUpToDate(options.common, outputs);
+    if (!options.common.jsonPath.empty()) add(options.common.jsonPath, recipeOfReport(options));
+    const auto isMade = [&](const std::string& output) { return carries(output, recipes.at(output)); };
+    return isUpToDate(options.common, outputs, isMade);
 }
 
 } // namespace rt
