@@ -127,6 +127,14 @@ void checkBuildOptions(const CommonOptions& options, const std::vector<std::stri
                         fmt::format("--if-changed needs files to look at; {} is none", name));
 }
 
+bool isUpToDate(const CommonOptions& options, std::vector<std::string> outputs,
+                const std::function<bool(const std::string& output)>& isMade) {
+    std::erase(outputs, options.depfilePath);
+    if (!options.ifChanged || !std::ranges::all_of(outputs, isMade)) return false;
+    logInfo(fmt::format("up to date: {}", fmt::join(outputs, ", ")));
+    return true;
+}
+
 CLI::Validator numberBetween(double low, double high) {
     const auto faultOf = [low, high](const std::string& text) -> std::string {
         double value = 0.0;

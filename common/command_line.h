@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,6 +40,11 @@ std::string makingOf(const CLI::App& app, const CommonOptions& options,
 /// at, as the ones that are named have to be.
 void checkBuildOptions(const CommonOptions& options, const std::vector<std::string>& inputs,
                        std::vector<std::string> outputs);
+
+/// Whether --if-changed is given and all outputs, but for --depfile's, are there as this run would make them;
+/// if so, says so. `isMade`: whether that of this path is.
+bool isUpToDate(const CommonOptions& options, std::vector<std::string> outputs,
+                const std::function<bool(const std::string& output)>& isMade);
 
 /// For CLI::Option::check(): a number from `low` to `high`, with messages that tell other text from numbers
 /// out of range.

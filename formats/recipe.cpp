@@ -1,10 +1,8 @@
 #include "formats/recipe.h"
 
 #include "common/binary_io.h"
-#include "common/command_line.h"
 #include "common/error.h"
 #include "common/json_file.h"
-#include "common/log.h"
 #include "formats/image_png.h"
 #include "formats/section_file.h"
 
@@ -102,16 +100,12 @@ std::optional<SharedSpan<std::byte>> bytesOfFile(const std::string& path) {
 }
 
 // Nothing for what is no container, or one that is not even valid as far as its table.
-std::optional<SectionFile> openContainer(const std::string& path, Bytes bytes) {
-    for (const FileKind* kind : {&kMeshKind, &kAtlasKind}) {
-        if (bytes.size() < kind->magic.size() ||
-            std::memcmp(bytes.data(), kind->magic.data(), kind->magic.size()) != 0)
-            continue;
-        try {
-            return SectionFile(path, *kind);
-        } catch (const Error&) {
-        }
-    }
+std::optional<SectionFile> containerIn(const SharedSpan<std::byte>& bytes) try {
+    for (const FileKind* kind : {&kMeshKind, &kAtlasKind})
+        if (textOf(bytes).starts_with({kind->magic.data(), kind->magic.size()}))
+            return SectionFile(bytes, *kind);
+    return std::nullopt;
+} catch (const Error&) {
     return std::nullopt;
 }
 
@@ -134,7 +128,7 @@ Recipe recipeOf(const std::string& making, const std::vector<RecipeInput>& input
 std::optional<std::string> contentIdOf(const std::string& path) {
     const auto bytes = bytesOfFile(path);
     if (!bytes) return std::nullopt;
-    if (const auto container = openContainer(path, *bytes)) return hexOf(container->contentHash());
+    if (const auto container = containerIn(*bytes)) return hexOf(container->contentHash());
     const std::size_t mark = findMark(textOf(*bytes), "");
     const bool has = mark != std::string_view::npos;
     return hexOf(has ? hashWithout(*bytes, mark, kMarkBytes) : XXH3_64bits(bytes->data(), bytes->size()));
@@ -152,7 +146,7 @@ std::string sealed(std::string bytes, const Recipe& recipe) {
 
 Recipe recipeIn(const std::string& path) {
     const auto bytes = bytesOfFile(path);
-    const auto container = bytes ? openContainer(path, *bytes) : std::nullopt;
+    const auto container = bytes ? containerIn(*bytes) : std::nullopt;
     return container ? Recipe(container->recipe()) : Recipe();
 }
 
@@ -168,7 +162,7 @@ void writeReport(const std::string& path, nlohmann::json report, const Recipe& r
 bool carries(const std::string& path, const Recipe& recipe) {
     const auto bytes = bytesOfFile(path);
     if (!bytes || !recipe.isKnown()) return false;
-    if (const auto container = openContainer(path, *bytes))
+    if (const auto container = containerIn(*bytes))
         return container->recipe() == recipe.text() && container->isWhole();
     const std::string_view text = textOf(*bytes);
     const std::size_t mark = findMark(text, idOf(recipe));
@@ -181,23 +175,6 @@ bool carries(const std::string& path, const Recipe& recipe) {
 bool isSealBroken(std::span<const std::byte> bytes) {
     const std::size_t mark = findMark(textOf(bytes), "");
     return mark != std::string_view::npos && !hasGoodSeal(bytes, mark);
-}
-
-bool isUpToDate(const CommonOptions& options, const std::vector<RecipeOutput>& outputs) {
-    std::vector<std::string> paths;
-    for (const RecipeOutput& output : outputs) {
-        if (output.path == options.depfilePath) continue;
-        if (!options.ifChanged || !carries(output.path, output.recipe)) return false;
-        paths.push_back(output.path);
-    }
-    if (options.ifChanged) logInfo(fmt::format("up to date: {}", fmt::join(paths, ", ")));
-    return options.ifChanged;
-}
-
-bool isUpToDate(const CommonOptions& options, const std::vector<std::string>& paths, const Recipe& recipe) {
-    std::vector<RecipeOutput> outputs;
-    for (const std::string& path : paths) outputs.push_back({path, recipe});
-    return isUpToDate(options, outputs);
 }
 
 } // namespace rt

@@ -10,8 +10,6 @@
 
 namespace rt {
 
-struct CommonOptions;
-
 /// What an output was made of, and how: the tool and its version, the options that decide it and the content
 /// of all inputs. Equal recipes make equal outputs, but for what a clock says. Every output carries its
 /// recipe; README.md says where.
@@ -67,16 +65,5 @@ bool carries(const std::string& path, const Recipe& recipe);
 
 /// Whether a picture or report that has a mark has changed since it was sealed. False without a mark.
 bool isSealBroken(std::span<const std::byte> bytes);
-
-/// A file to be made.
-struct RecipeOutput {
-    std::string path;
-    Recipe recipe;
-};
-
-/// Whether --if-changed is given and all outputs, but for --depfile's, carry their recipes; if so, says so.
-bool isUpToDate(const CommonOptions& options, const std::vector<RecipeOutput>& outputs);
-/// The same of outputs with one recipe.
-bool isUpToDate(const CommonOptions& options, const std::vector<std::string>& paths, const Recipe& recipe);
 
 } // namespace rt

@@ -60,6 +60,33 @@ std::uint64_t hashOfContent(const FileHeader& header, std::vector<SectionEntry> 
     return layOut(header, std::move(table)).header.headerHash;
 }
 
+[[noreturn]] void throwInvalid(const std::string& name, const std::string& what) {
+    throw Error(ErrorKind::InvalidContent, name + ": " + what);
+}
+
+FileHeader headerOf(std::span<const std::byte> bytes, const FileKind& kind, const std::string& name) {
+    FileHeader header{};
+    if (bytes.size() < sizeof(header))
+        throwInvalid(name, fmt::format("{} bytes are too few for a {} file", bytes.size(), kind.name));
+    std::memcpy(&header, bytes.data(), sizeof(header));
+    if (header.magic != kind.magic)
+        throwInvalid(name, fmt::format("is not a {} file (its first 8 bytes differ)", kind.name));
+    if (header.major != kind.major)
+        throwInvalid(
+            name,
+            fmt::format("{} version {}.{} cannot be read by this tool, which reads {}.x; make the file again",
+                        kind.name, header.major, header.minor, kind.major));
+    return header;
+}
+
+// An endless stream is refused by its first bytes, or where the file should have ended.
+SharedSpan<std::byte> readContainer(const std::string& path, const FileKind& kind, const std::string& name) {
+    const auto lengthOf = [&](std::span<const std::byte> head) {
+        return headerOf(head, kind, name).fileBytes;
+    };
+    return readFile(path, {sizeof(FileHeader), lengthOf, {}});
+}
+
 bool allZero(std::span<const std::byte> bytes) {
     return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
 }
@@ -97,38 +124,23 @@ void SectionFileWriter::write(const std::string& path, std::vector<OutputFile> b
 }
 
 SectionFile::SectionFile(const std::string& path, const FileKind& kind, const std::string& shownAs)
-    : path_(shownAs.empty() ? path : shownAs) {
-    // An endless stream is refused by its first bytes, or where the file should have ended.
-    const StreamRule rule{sizeof(FileHeader),
-                          [&](std::span<const std::byte> head) { return headerOf(head, kind).fileBytes; },
-                          {}};
-    storage_ = std::make_shared<const SharedSpan<std::byte>>(readFile(path, rule));
+    : SectionFile(readContainer(path, kind, shownAs.empty() ? path : shownAs), kind,
+                  shownAs.empty() ? path : shownAs) {}
+
+SectionFile::SectionFile(SharedSpan<std::byte> bytes, const FileKind& kind, const std::string& name)
+    : path_(name), storage_(std::make_shared<const SharedSpan<std::byte>>(std::move(bytes))) {
     readHeader(kind);
     checkSections();
-    contentHash_ = hashOfContent(headerOf(*storage_, kind), table_);
+    contentHash_ = hashOfContent(headerOf(*storage_, kind, path_), table_);
 }
 
 void SectionFile::fail(const std::string& what) const {
-    throw Error(ErrorKind::InvalidContent, path_ + ": " + what);
-}
-
-FileHeader SectionFile::headerOf(std::span<const std::byte> bytes, const FileKind& kind) const {
-    FileHeader header{};
-    if (bytes.size() < sizeof(header))
-        fail(fmt::format("{} bytes are too few for a {} file", bytes.size(), kind.name));
-    std::memcpy(&header, bytes.data(), sizeof(header));
-    if (header.magic != kind.magic)
-        fail(fmt::format("is not a {} file (its first 8 bytes differ)", kind.name));
-    if (header.major != kind.major)
-        fail(
-            fmt::format("{} version {}.{} cannot be read by this tool, which reads {}.x; make the file again",
-                        kind.name, header.major, header.minor, kind.major));
-    return header;
+    throwInvalid(path_, what);
 }
 
 void SectionFile::readHeader(const FileKind& kind) {
     const SharedSpan<std::byte>& bytes = *storage_;
-    const FileHeader header = headerOf(bytes, kind);
+    const FileHeader header = headerOf(bytes, kind, path_);
     if (header.fileBytes < bytes.size())
         fail(fmt::format("is longer than the {} bytes that its header says; it was added to",
                          header.fileBytes));

@@ -95,6 +95,8 @@ public:
     /// Error{LimitExceeded} if a stream does not fit into memory; messages name the file, by `shownAs` if
     /// that is given.
     SectionFile(const std::string& path, const FileKind& kind, const std::string& shownAs = "");
+    /// Of a file that was read already, which messages call `name`.
+    SectionFile(SharedSpan<std::byte> bytes, const FileKind& kind, const std::string& name = "");
 
     /// The section's elements; empty if it is absent. Throws Error{InvalidContent} if its element size is not
     /// T's.
@@ -132,7 +134,6 @@ private:
     const SectionEntry* find(std::uint32_t id) const;
     std::span<const std::byte> getBytes(std::uint32_t id, std::uint32_t elementBytes) const;
     void requireCount(std::uint32_t id, std::uint64_t found, std::uint64_t wanted) const;
-    FileHeader headerOf(std::span<const std::byte> bytes, const FileKind& kind) const;
     void readHeader(const FileKind& kind);
     void checkSections() const;
     void checkHashes() const;

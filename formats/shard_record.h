@@ -10,10 +10,6 @@
 
 namespace rt {
 
-/// Attribute of a part: the text of the recipe that the whole picture has, by which --if-changed knows a
-/// merged one.
-inline constexpr const char* kWholeRecipeKey = "rt:wholeRecipe";
-
 /// What shards of a picture have of it.
 enum class ShardKind {
     Parts,   ///< some of its rows, with all samples

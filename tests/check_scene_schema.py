@@ -5,7 +5,6 @@ check_scene_schema.py ROOT RT_IMPORT
 The scene files of the repository and the examples of tools/rt-import/README.md follow the schema; rt-import takes each
 document of GOOD, and neither takes one of BAD, which are GOOD with one thing changed. Every key of the schema is in GOOD.
 """
-import copy
 import json
 import pathlib
 import re
@@ -14,6 +13,10 @@ import sys
 import tempfile
 
 import jsonschema
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(pathlib.Path(__file__).parent / "support"))
+from changed_document import REMOVE, changed_document  # noqa: E402
 
 TURNED = {"translate": [1, 2, 3], "rotate": {"axis": [0, 1, 0], "degrees": 30}, "scale": 2}
 GOOD = {
@@ -51,7 +54,6 @@ GOOD = {
     "background": [0, 0, 0],
 }  # fmt: skip
 ALSO_GOOD = {"models": [{"file": "t.obj"}], "environment": {"color": 1}}
-REMOVE = object()
 # Where GOOD is changed, and to what.
 BAD = [
     (("model",), []),
@@ -105,19 +107,6 @@ BAD = [
 ]
 
 
-def changed(place, value):
-    document = copy.deepcopy(GOOD)
-    *way, last = place
-    parent = document
-    for step in way:
-        parent = parent[step]
-    if value is REMOVE:
-        del parent[last]
-    else:
-        parent[last] = value
-    return document
-
-
 def objects_in(value):
     if isinstance(value, dict):
         yield value
@@ -168,7 +157,7 @@ def main(root, rt_import):
         faults.append("there are no examples to look at")
     faults += [f"{name}: {e.json_path}: {e.message}" for name, content in shown for e in validator.iter_errors(content)]
     cases = [("good", GOOD, True), ("also good", ALSO_GOOD, True)]
-    cases += [(f"{place} = {'nothing' if value is REMOVE else value}", changed(place, value), False) for place, value in BAD]
+    cases += [(f"{place} = {'nothing' if value is REMOVE else value}", changed_document(GOOD, place, value), False) for place, value in BAD]
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         write_models(folder)

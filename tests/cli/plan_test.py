@@ -1,6 +1,5 @@
 """pipelines/plan through its executable: plan_test.py ROOT BIN_DIR"""
 import contextlib
-import copy
 import json
 import os
 import pathlib
@@ -23,7 +22,8 @@ import numpy
 ROOT, TOOLS = (pathlib.Path(word).resolve() for word in sys.argv[1:3])
 PLAN = ROOT / "pipelines" / "plan"
 sys.dont_write_bytecode = True
-sys.path.insert(0, str(ROOT / "pipelines"))
+sys.path[:0] = [str(ROOT / "pipelines"), str(ROOT / "tests" / "support")]
+from changed_document import REMOVE, changed_document  # noqa: E402
 from planner import description, errors, thumbnail, tool_options  # noqa: E402
 
 MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
@@ -43,7 +43,6 @@ GOOD = {
                              "options": ["--worst", "1"], "resources": {}}},
     "resources": {"import": {"cores": 1}, "grid": {}, "trace": {"cores": 1}, "merge": {}, "compare": {}},
 }  # fmt: skip
-REMOVE = object()
 # Where GOOD is changed, to what, and the JSON path that the error names. The first are found by the schema.
 BY_SCHEMA = [
     (("scenes",), REMOVE, "$"),
@@ -97,16 +96,7 @@ REFUSED = {
 
 
 def changed(place, value):
-    document = copy.deepcopy(GOOD)
-    *way, last = place
-    parent = document
-    for step in way:
-        parent = parent[step]
-    if value is REMOVE:
-        del parent[last]
-    else:
-        parent[last] = value
-    return document
+    return changed_document(GOOD, place, value)
 
 
 class PlanTest(unittest.TestCase):

@@ -1,86 +1,13 @@
-// rt-trace's pictures as a user makes them: parts, samples, channels, checkpoints, frames.
-#include "formats/checkpoint_file.h"
-#include "formats/image_exr.h"
-#include "formats/mesh_file.h"
+// rt-trace's pictures as a user makes them: parts, samples, channels, colours.
 #include "formats/recipe.h"
-#include "tests/support/make_mesh.h"
-#include "tests/support/read_text.h"
-#include "tests/support/run_command.h"
-#include "tests/support/temporary_folder.h"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include <cstring>
-#include <filesystem>
-#include <fstream>
+#include "tests/cli/picture_command.h"
 
 namespace rt {
 namespace {
 
 using test::CommandResult;
+using test::PictureCommand;
 using testing::HasSubstr;
-
-NamedCamera cameraNamed(const std::string& name, std::uint32_t kind, double z) {
-    NamedCamera camera{};
-    name.copy(camera.name, sizeof camera.name - 1);
-    camera.eye[2] = z;
-    camera.up[1] = 1.0;
-    camera.fovDegrees = kind == kCameraPerspective ? 30.0 : 0.0;
-    camera.height = kind == kCameraOrthographic ? 4.0 : 0.0;
-    camera.kind = kind;
-    return camera;
-}
-
-class PictureCommand : public testing::Test {
-protected:
-    static void SetUpTestSuite() {
-        folder = std::make_unique<test::TemporaryFolder>();
-        Mesh mesh = test::makeSphere(3);
-        mesh.materials = std::vector<Material>(2, mesh.materials[0]);
-        std::vector<std::uint32_t> triangleMaterial(mesh.triangles.size());
-        for (std::uint32_t i = 0; i < triangleMaterial.size(); ++i) triangleMaterial[i] = i % 2;
-        mesh.triangleMaterial = std::move(triangleMaterial);
-        mesh.cameras = std::vector<NamedCamera>{cameraNamed("front", kCameraPerspective, 5.0),
-                                                cameraNamed("plan view", kCameraOrthographic, 8.0)};
-        writeMesh(folder->file("s.rtmesh"), mesh);
-        const CommandResult grid = test::runCommand(
-            {RT_BIN_DIR "/rt-grid", folder->file("s.rtmesh"), "-o", folder->file("s.rtatlas")});
-        ASSERT_EQ(grid.exitCode, 0) << grid.err;
-    }
-    static void TearDownTestSuite() { folder.reset(); }
-
-    CommandResult trace(std::vector<std::string> arguments) const {
-        arguments.insert(arguments.begin(), {RT_BIN_DIR "/rt-trace", folder->file("s.rtatlas")});
-        return test::runCommand(arguments);
-    }
-    // Renders 64x64 pixels to an EXR, which comes back.
-    Image render(const std::string& name, std::vector<std::string> arguments) const {
-        arguments.insert(arguments.begin(), {"-o", out.file(name), "--size", "64x64", "--reproducible"});
-        const CommandResult result = trace(arguments);
-        EXPECT_EQ(result.exitCode, 0) << result.err;
-        return readExr(out.file(name));
-    }
-    nlohmann::json figures(std::vector<std::string> arguments) const {
-        arguments.insert(arguments.begin(), {"-o", out.file("j.exr"), "--json", out.file("j.json")});
-        const CommandResult result = trace(arguments);
-        EXPECT_EQ(result.exitCode, 0) << result.err;
-        return nlohmann::json::parse(test::readText(out.file("j.json")));
-    }
-    void expectUsage(std::vector<std::string> arguments, const std::string& message) const {
-        arguments.insert(arguments.begin(), {"-o", out.file("usage.exr")});
-        const CommandResult result = trace(arguments);
-        EXPECT_EQ(result.exitCode, 2) << result.err;
-        EXPECT_THAT(result.err, HasSubstr(message));
-        EXPECT_FALSE(std::filesystem::exists(out.file("usage.exr")));
-    }
-    std::string bytesOf(const std::string& name) const { return test::readText(out.file(name)); }
-
-    static std::unique_ptr<test::TemporaryFolder> folder;
-    test::TemporaryFolder out;
-};
-std::unique_ptr<test::TemporaryFolder> PictureCommand::folder;
 
 TEST_F(PictureCommand, ACropKnowsTheWholePicture) {
     const Image whole = render("whole.exr", {"--spp", "3"});
@@ -194,89 +121,6 @@ TEST_F(PictureCommand, SeedsChangeTheNoiseAndNothingElseDoes) {
     EXPECT_EQ(other.ints.at("rt:seed"), 8);
 }
 
-TEST_F(PictureCommand, ResumedPicturesAreTheSameToTheBit) {
-    const std::vector<std::string> aovs = {"--aov", "all", "--spp"};
-    const auto with = [&](std::vector<std::string> more) {
-        more.insert(more.begin(), aovs.begin(), aovs.end());
-        return more;
-    };
-    render("whole.exr", with({"6"}));
-    render("half.exr", with({"2", "--checkpoint", out.file("c")}));
-    render("resumed.exr", with({"6", "--resume", out.file("c"), "--checkpoint", out.file("c")}));
-    EXPECT_EQ(bytesOf("resumed.exr"), bytesOf("whole.exr"));
-    render("again.exr", with({"6", "--resume", out.file("c")}));
-    EXPECT_EQ(bytesOf("again.exr"), bytesOf("whole.exr")) << "there was nothing left to do";
-    for (const char* const fewer : {"4", "1"})
-        expectUsage({"--size", "64", "--aov", "none", "--spp", fewer, "--resume", out.file("c")},
-                    "say --spp 6 or more");
-}
-
-TEST_F(PictureCommand, CheckpointsOfOtherPicturesAndDamagedOnesAreRefused) {
-    render("a.exr", {"--spp", "2", "--checkpoint", out.file("c")});
-    const auto expectRefusal = [&](std::vector<std::string> arguments, const std::string& message) {
-        arguments.insert(arguments.begin(), {"-o", out.file("b.exr"), "--resume", out.file("c")});
-        const CommandResult result = trace(arguments);
-        EXPECT_EQ(result.exitCode, 4) << result.err;
-        EXPECT_THAT(result.err, HasSubstr(out.file("c") + ": "));
-        EXPECT_THAT(result.err, HasSubstr(message));
-        EXPECT_FALSE(std::filesystem::exists(out.file("b.exr")));
-    };
-    expectRefusal({"--spp", "4", "--size", "64x32"}, "its size is 64x64");
-    expectRefusal({"--spp", "4", "--size", "64", "--crop", "0,0,9,9"}, "its part is 0,0,64,64");
-    expectRefusal({"--spp", "4", "--size", "64", "--seed", "3"}, "its seed is 0");
-    const auto expectDifferent = [&](std::vector<std::string> arguments, const std::string& names) {
-        arguments.insert(arguments.begin(), {"--spp", "4", "--size", "64"});
-        expectRefusal(arguments, "these settings differ from what is asked for now: " + names + "\n");
-    };
-    expectDifferent({"--fov", "50", "--light", "1,2,3"}, "camera, lights");
-    expectDifferent({"--environment", "0.5", "--light", "1,2,3", "--ambient", "0.1"}, "lights, environment");
-    expectDifferent({"--ambient", "0.2"}, "ambient light");
-    expectDifferent({"--background", "0"}, "background");
-    expectDifferent({"--filter", "tent"}, "filter");
-    expectDifferent({"--precision", "double"}, "--precision or --intersect");
-    expectDifferent({"--aov", "P"}, "channels");
-    expectDifferent({"--target-error", "0.5"}, "--target-error, channels");
-    std::string bytes = bytesOf("c");
-    bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
-    std::ofstream(out.file("c"), std::ios::binary) << bytes;
-    expectRefusal({"--spp", "4", "--size", "64"}, "");
-    std::ofstream(out.file("c"), std::ios::binary) << bytes.substr(0, 100);
-    expectRefusal({"--spp", "4", "--size", "64"}, "");
-}
-
-TEST_F(PictureCommand, AnInterruptedRunLeavesItsCheckpointAndNoPicture) {
-    const auto interrupted = [&](const std::string& seconds, const std::vector<std::string>& more) {
-        std::vector<std::string> endless = {"/usr/bin/timeout",
-                                            "--preserve-status",
-                                            "-s",
-                                            "INT",
-                                            seconds,
-                                            RT_BIN_DIR "/rt-trace",
-                                            folder->file("s.rtatlas"),
-                                            "--spp",
-                                            "16000000",
-                                            "-o",
-                                            out.file("a.exr"),
-                                            "--size",
-                                            "64x64"};
-        endless.insert(endless.end(), more.begin(), more.end());
-        return test::runCommand(endless).exitCode;
-    };
-    EXPECT_EQ(interrupted("1.5", {}), 130);
-    EXPECT_EQ(out.entryCount(), 0u);
-    for (const std::string seconds : {"1.5", "5", "20"}) { // busy machines may compile for a while
-        EXPECT_EQ(interrupted(seconds, {"--checkpoint", out.file("c")}), 130);
-        if (std::filesystem::exists(out.file("c"))) break;
-    }
-    EXPECT_FALSE(std::filesystem::exists(out.file("a.exr")));
-    ASSERT_TRUE(std::filesystem::exists(out.file("c")));
-    std::uint32_t most = 0;
-    for (const CheckpointTile& tile : readCheckpoint(out.file("c")).tiles)
-        most = std::max(most, tile.samples);
-    const Image image = render("b.exr", {"--spp", std::to_string(most + 1), "--resume", out.file("c")});
-    EXPECT_EQ(image.ints.at("samplesPerPixel"), static_cast<int>(most) + 1);
-}
-
 TEST_F(PictureCommand, TimeAndErrorEndAPicture) {
     auto samples = figures({"--size", "64", "--time-limit", "0.2", "--spp", "10000000"}).at("samples");
     EXPECT_EQ(samples.at("timeLimitReached"), true);
@@ -287,42 +131,6 @@ TEST_F(PictureCommand, TimeAndErrorEndAPicture) {
     EXPECT_EQ(samples.at("tiles"), 9);
     EXPECT_EQ(samples.at("tilesStoppedByError"), 9);
     EXPECT_LT(samples.at("mean").get<double>(), 200.0);
-}
-
-TEST_F(PictureCommand, CamerasOfTheSceneAreListedAndTaken) {
-    const CommandResult list = trace({"--list-cameras"});
-    EXPECT_EQ(list.exitCode, 0) << list.err;
-    EXPECT_THAT(list.out, HasSubstr("front  perspective  fov 30"));
-    EXPECT_THAT(list.out, HasSubstr("plan view  orthographic  height 4"));
-    const auto cameras = nlohmann::json::parse(trace({"--list-cameras", "--json", "-"}).out).at("cameras");
-    ASSERT_EQ(cameras.size(), 2u);
-    EXPECT_EQ(cameras[0].at("name"), "front");
-    EXPECT_EQ(cameras[0].at("fovDegrees"), 30.0);
-    EXPECT_EQ(cameras[1].at("projection"), "orthographic");
-    EXPECT_EQ(cameras[1].at("eye"), nlohmann::json({0.0, 0.0, 8.0}));
-    const Image front = render("front.exr", {"--camera", "front"});
-    EXPECT_NEAR(front.find("Z")->values[32 * 64 + 32], 4.0f, 0.02f);
-    const Image moved = render("moved.exr", {"--camera", "front", "--eye", "0,0,7"});
-    EXPECT_NEAR(moved.find("Z")->values[32 * 64 + 32], 6.0f, 0.02f);
-    const Image plan = render("plan.exr", {"--camera", "plan view"});
-    EXPECT_NEAR(plan.find("Z")->values[32 * 64 + 32], 7.0f, 0.02f);
-    EXPECT_EQ(plan.find("A")->values[32 * 64 + 14], 0.0f); // the sphere is half as wide as the picture
-    EXPECT_EQ(plan.find("A")->values[32 * 64 + 18], 1.0f);
-    expectUsage({"--camera", "back"}, "front, plan view");
-}
-
-TEST_F(PictureCommand, CamerasThatAreNotUsedAreNamed) {
-    const std::string note =
-        "all of the scene is framed; --camera takes one of its cameras: front, plan view\n";
-    const std::vector<std::string> picture{"-o", out.file("note.exr"), "--size", "8"};
-    const auto errOf = [&](std::vector<std::string> more) {
-        more.insert(more.begin(), picture.begin(), picture.end());
-        return trace(more).err;
-    };
-    EXPECT_THAT(errOf({}), HasSubstr(note));
-    for (const std::vector<std::string>& more :
-         {std::vector<std::string>{"-q"}, {"--camera", "front"}, {"--eye", "0,0,7"}})
-        EXPECT_THAT(errOf(more), testing::Not(HasSubstr("is framed"))) << more[0];
 }
 
 TEST_F(PictureCommand, ExplainsWhatIsCompiledAndUploaded) {
@@ -363,42 +171,6 @@ TEST_F(PictureCommand, HeatShowsWhatPixelsCost) {
     expectUsage({"--heat-max", "3"}, "--heat-max needs --heat");
 }
 
-TEST_F(PictureCommand, FramesFollowTheirPath) {
-    std::ofstream(out.file("path.json")) << R"([{"frame": 1, "eye": [0, 0, 4], "lookAt": [0, 0, 0]},
-               {"frame": 3, "eye": [0, 0, 6], "lookAt": [0, 0, 0]}])";
-    const CommandResult result = trace({"-o", out.file("f%02d.exr"), "--size", "16x16", "--frames", "1-3",
-                                        "--camera-path", out.file("path.json"), "--json", out.file("j")});
-    ASSERT_EQ(result.exitCode, 0) << result.err;
-    const auto frames = nlohmann::json::parse(test::readText(out.file("j"))).at("frames");
-    ASSERT_EQ(frames.size(), 3u);
-    EXPECT_EQ(frames[1].at("frame"), 2);
-    EXPECT_EQ(frames[1].at("camera").at("eye"), nlohmann::json({0.0, 0.0, 5.0}));
-    EXPECT_GT(frames[2].at("gpuMs"), 0.0);
-    for (const auto& [name, depth] : {std::pair("f01.exr", 3.0f), {"f02.exr", 4.0f}, {"f03.exr", 5.0f}})
-        EXPECT_NEAR(readExr(out.file(name)).find("Z")->values[8 * 16 + 8], depth, 0.05f) << name;
-    const std::string path = out.file("path.json");
-    expectUsage({"--frames", "1-3"}, "--frames needs --turntable, --camera-path, or --camera");
-    expectUsage({"--camera-path", path}, "go together");
-    expectUsage({"--frames", "1-3", "--camera-path", path}, "%d or %04d");
-    expectUsage({"--frames", "3-1", "--camera-path", path}, "--frames");
-}
-
-TEST_F(PictureCommand, ATurntableGivesEachFrameTheSamePictureWhicheverOthersAreRendered) {
-    const auto turn = [&](const char* name, const char* frames) {
-        return trace({"-o", out.file(name), "--size", "16x16", "--frames", frames, "--turntable", "3",
-                      "--reproducible", "--json", out.file("j")});
-    };
-    ASSERT_EQ(turn("all%d.exr", "1-4").exitCode, 0);
-    const auto frames = nlohmann::json::parse(test::readText(out.file("j"))).at("frames");
-    EXPECT_NE(frames[0].at("camera").at("eye"), frames[1].at("camera").at("eye"));
-    ASSERT_EQ(turn("one%d.exr", "2").exitCode, 0);
-    EXPECT_EQ(contentIdOf(out.file("one2.exr")), contentIdOf(out.file("all2.exr"))) << "lights have moved";
-    const Image first = readExr(out.file("all1.exr")), fourth = readExr(out.file("all4.exr"));
-    for (std::size_t i = 0; i < first.find("R")->values.size(); ++i)
-        EXPECT_NEAR(first.find("R")->values[i], fourth.find("R")->values[i], 1e-3f) << "a full turn later";
-    expectUsage({"--turntable", "3"}, "--turntable needs --frames");
-}
-
 TEST_F(PictureCommand, LightsWithASizeAreSeen) {
     for (const std::string light : {"sphere:0,0,3,0.5", "rectangle:0,0,3,0,0,9,1,1"}) {
         const Image image =
@@ -409,13 +181,6 @@ TEST_F(PictureCommand, LightsWithASizeAreSeen) {
         EXPECT_EQ(image.find("id")->uints[middle], 0xFFFFFFFFu) << "a light is no triangle";
     }
     expectUsage({"--light", "sphere:0,0,3"}, "a sphere light has 4 numbers, or 7 with R,G,B, not 3");
-}
-
-TEST_F(PictureCommand, NamesWithNumbersNeedFrames) {
-    const CommandResult result = trace({"-o", out.file("x%d.exr"), "--size", "8"});
-    EXPECT_EQ(result.exitCode, 2);
-    EXPECT_THAT(result.err, HasSubstr("x%d.exr: %d stands for the number of a frame"));
-    EXPECT_EQ(out.entryCount(), 0u);
 }
 
 TEST_F(PictureCommand, ASmallPartOfAHugePictureIsNoLargerThanThePart) {

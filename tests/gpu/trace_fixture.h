@@ -24,7 +24,7 @@ class OnGpu : public testing::Test {
 protected:
     static void SetUpTestSuite() {
         prepareGlEnvironment(0);
-        context = GlContext::open("auto");
+        context = GlContext::open({});
     }
     static void TearDownTestSuite() { context.reset(); }
     static inline std::unique_ptr<GlContext> context;

@@ -74,7 +74,7 @@ private:
 
 class RenderLoop : public testing::Test {
 protected:
-    std::unique_ptr<GlContext> context = GlContext::open("auto");
+    std::unique_ptr<GlContext> context = GlContext::open({});
     SampledScene scene{*context};
 };
 

@@ -130,6 +130,17 @@ TEST_F(Multipass, DoesOnePixel) {
     EXPECT_EQ(hitsIn(expectSamePicture(room(), lit(), one)), 1u);
 }
 
+TEST_F(Multipass, TakesNoMemoryForRounds) {
+    const auto beside = [](unsigned multipass) { // per slot
+        constexpr std::uint64_t kSlots = 4096;
+        SceneFeatures features;
+        features.multipass = multipass;
+        return SampleSlots::bytesFor(features, limits(), kSlots) / kSlots - slotLayout(features).bytes();
+    };
+    EXPECT_EQ(beside(0), 8u) << "two queues";
+    EXPECT_EQ(beside(1), 0u);
+}
+
 // Two sheets far apart in a row of voxels, as a camera sees them that looks along the row.
 class LongRow : public Multipass {
 protected:

@@ -222,6 +222,22 @@ TEST(DistinctPaths, OutputsAreNeitherInputsNorEachOther) {
     EXPECT_THROW(requireDistinctPaths({fresh}, {spelled}), Error); // the input does not exist
 }
 
+TEST(UpToDate, IsWhereEveryOutputIsMadeButTheDependencyFile) {
+    CommonOptions options;
+    options.depfilePath = "d";
+    std::vector<std::string> asked;
+    const auto isMade = [&](const std::string& output) {
+        asked.push_back(output);
+        return output != "old";
+    };
+    EXPECT_FALSE(isUpToDate(options, {"a"}, isMade)) << "nobody asked";
+    EXPECT_TRUE(asked.empty());
+    options.ifChanged = true;
+    EXPECT_TRUE(isUpToDate(options, {"a", "d", "b"}, isMade));
+    EXPECT_EQ(asked, (std::vector<std::string>{"a", "b"}));
+    EXPECT_FALSE(isUpToDate(options, {"a", "old"}, isMade));
+}
+
 TEST(ParseNumbers, TakesExactlyWhatItSays) {
     EXPECT_EQ(parseNumbers("1,-2.5,3e2", 3, "--eye"), (std::vector<double>{1.0, -2.5, 300.0}));
     for (const char* bad : {"", "1,2", "1,2,3,4", "1,2,x", "1,,3", "1,2,nan", "1,2,inf", "1,2,3 "})

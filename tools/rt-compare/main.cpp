@@ -12,7 +12,8 @@ int compareAll(const Options& options) {
     const Recipe recipe = recipeOf(options, pairs);
     ReportFiles reports(options, pairs, recipe);
     int exitCode = 0;
-    if (!isUpToDate(options.common, outputsOf(options), recipe)) {
+    const auto isMade = [&](const std::string& output) { return carries(output, recipe); };
+    if (!isUpToDate(options.common, outputsOf(options), isMade)) {
         exitCode = comparePairs(pairs, options, [&](const PairResult& result) { reports.add(result); });
         reports.finish();
     }

@@ -1,5 +1,6 @@
 #include "tools/rt-compare/pair_structure.h"
 
+#include "formats/image_attributes.h"
 #include "tools/rt-compare/layers.h"
 
 #include <fmt/format.h>
@@ -76,7 +77,7 @@ bool StructureComparer::compareParts(const PicturePart& a, const PicturePart& b,
         add(FindingKind::PixelAspect,
             fmt::format("pixel aspects differ: {:g} against {:g}", a.pixelAspect, b.pixelAspect));
     compareChromaticities(a, b);
-    for (const char* name : {"worldToCamera", "worldToNDC"}) compareMatrix(a, b, name);
+    for (const char* name : {kWorldToCameraKey, kWorldToNdcKey}) compareMatrix(a, b, name);
     for (const char* name : {"screenWindowWidth", "screenWindowCenter", "view", "envmap"})
         compareCamera(a, b, name);
     where_.clear(); // the names of channels have the prefix already

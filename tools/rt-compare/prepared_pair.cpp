@@ -1,5 +1,6 @@
 #include "tools/rt-compare/prepared_pair.h"
 
+#include "formats/image_attributes.h"
 #include "tools/rt-compare/pair_structure.h"
 
 namespace rt {
@@ -15,7 +16,7 @@ std::string prefixOf(const Picture& picture, std::size_t part) {
 
 std::optional<int> samplesPerPixel(const Picture& picture) {
     const auto& ints = picture.parts.front().image.ints;
-    const auto found = ints.find("samplesPerPixel");
+    const auto found = ints.find(kSamplesKey);
     return found == ints.end() ? std::nullopt : std::optional<int>(found->second);
 }
 

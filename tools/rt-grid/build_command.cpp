@@ -74,7 +74,8 @@ int buildCommand(int argc, const char* const* argv) {
         return 0;
     }
     const Recipe recipe = recipeOf(options->common.making, {{"mesh", options->meshPath}});
-    if (!isUpToDate(options->common, outputsOf(*options), recipe)) build(*options, recipe);
+    const auto isMade = [&](const std::string& output) { return carries(output, recipe); };
+    if (!isUpToDate(options->common, outputsOf(*options), isMade)) build(*options, recipe);
     writeDependencies(options->common, outputsOf(*options), {options->meshPath});
     return 0;
 }

@@ -29,7 +29,10 @@ bool ImportRecipe::isUpToDate() const {
     const std::string before = recipeIn(options_.outputPath).text();
     if (!before.starts_with(inputs_.text())) return false;
     const std::string filesAsked = asked_.again(before.substr(inputs_.text().size()));
-    if (!rt::isUpToDate(options_.common, outputsOf(options_), with(filesAsked))) return false;
+    const auto isMade = [recipe = with(filesAsked)](const std::string& output) {
+        return carries(output, recipe);
+    };
+    if (!rt::isUpToDate(options_.common, outputsOf(options_), isMade)) return false;
     if (const auto text = dependencies(filesAsked)) writeFile(options_.common.depfilePath, *text);
     return true;
 }

@@ -210,9 +210,8 @@ private:
     std::vector<EglCandidate> candidates_;
 };
 
-std::unique_ptr<GlContext> GlContext::open(const std::string& device, const std::string& source) {
+std::unique_ptr<GlContext> GlContext::open(const DeviceRequest& request) {
     using Kind = DeviceRequest::Kind;
-    const DeviceRequest request = parseDevice(device, source);
     const GlDeviceList devices;
     std::string problems;
     std::unique_ptr<GlContext> context;

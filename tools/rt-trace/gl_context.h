@@ -1,4 +1,5 @@
 #pragma once
+#include "tools/rt-trace/device_choice.h"
 #include "tools/rt-trace/gl_limits.h"
 #include "tools/rt-trace/gpu_memory.h"
 
@@ -28,10 +29,9 @@ void prepareGlEnvironment(int threads);
 /// A current OpenGL 4.5 core context without a window. There is at most one at a time.
 class GlContext {
 public:
-    /// `device`: "auto" (hardware first, then software), "software", an index of listGlDevices(), or
-    /// "cuda:N"; see devicesToTry() and findDevice(). `source`: where that was said, for messages. Throws
-    /// Error{NoGpu} if none of them gives such a context, Error{Usage} for other text.
-    static std::unique_ptr<GlContext> open(const std::string& device, const std::string& source = "--device");
+    /// See devicesToTry() and findDevice(); Auto is hardware first, then software. Throws Error{NoGpu} if
+    /// none of them gives such a context.
+    static std::unique_ptr<GlContext> open(const DeviceRequest& request);
 
     ~GlContext();
     GlContext(const GlContext&) = delete;

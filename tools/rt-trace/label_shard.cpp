@@ -29,7 +29,6 @@ void labelShard(Image& image, const TraceOptions& options, const PictureSetup& s
     hash.add(image);
     record.pixelHash = hash.value();
     addShardRecord(image, record);
-    if (options.wholeRecipe.isKnown()) image.texts[kWholeRecipeKey] = options.wholeRecipe.text();
 }
 
 } // namespace rt

@@ -24,7 +24,7 @@ GpuScene bringToDevice(const AtlasFile& file, const TraceOptions& options, Shade
     GpuScene scene;
     scene.file = file;
     stages.begin("context");
-    scene.context = GlContext::open(options.device, options.deviceSource);
+    scene.context = GlContext::open(options.device);
     const GlLimits& limits = scene.context->limits();
     stages.begin("plan");
     SceneNeeds needs = choose(file.atlas, limits);

@@ -4,7 +4,6 @@
 #include "tools/rt-trace/listings.h"
 #include "tools/rt-trace/merge_command.h"
 #include "tools/rt-trace/options.h"
-#include "tools/rt-trace/picture_recipe.h"
 #include "tools/rt-trace/trace_rays.h"
 #include "tools/rt-trace/trace_scene.h"
 
@@ -12,23 +11,21 @@
 
 namespace {
 
-void trace(rt::TraceOptions& options) {
-    const std::vector<rt::RecipeInput> inputs = rt::inputsOf(options);
+void trace(const rt::TraceOptions& options) {
     if (options.raysPath.empty()) {
-        options.recipe = rt::recipeOf(options.common.making, inputs);
-        if (!options.wholeMaking.empty()) options.wholeRecipe = rt::recipeOf(options.wholeMaking, inputs);
-        if (!rt::isUpToDate(options)) rt::traceScene(options);
+        const rt::PictureRecipes recipes = rt::recipesOf(options);
+        if (!rt::isUpToDate(options, recipes)) rt::traceScene(options, recipes);
     } else {
         rt::traceRays(options);
     }
     std::vector<std::string> files;
-    for (const rt::RecipeInput& input : inputs) files.push_back(input.path);
+    for (const rt::RecipeInput& input : rt::inputsOf(options)) files.push_back(input.path);
     rt::writeDependencies(options.common, rt::outputsOf(options), files);
 }
 
 int body(int argc, const char* const* argv) {
     if (argc > 1 && argv[1] == std::string_view("merge")) return rt::mergeCommand(argc - 1, argv + 1);
-    std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
+    const std::optional<rt::TraceOptions> options = rt::parseTraceOptions(argc, argv);
     if (!options) return 0;
     rt::prepareGlEnvironment(options->common.threads);
     for (const std::string& path : rt::outputsOf(*options)) rt::requireWritable(path);

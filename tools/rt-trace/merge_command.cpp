@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "common/progress.h"
 #include "common/stage_timer.h"
+#include "formats/image_attributes.h"
 #include "formats/image_exr.h"
 #include "formats/recipe.h"
 #include "tools/rt-trace/merge_shards.h"
@@ -40,6 +41,13 @@ bool isPng(const std::string& path) {
     return imageFileType(path) == ImageFileType::Png;
 }
 
+std::vector<std::string> outputsOf(const MergeOptions& options) {
+    std::vector<std::string> outputs = options.outputPaths;
+    for (const std::string& path : {options.common.jsonPath, options.common.depfilePath})
+        if (!path.empty()) outputs.push_back(path);
+    return outputs;
+}
+
 void check(const CLI::App& app, const MergeOptions& options) {
     for (const std::string& path : options.outputPaths)
         if (!imageFileType(path))
@@ -48,11 +56,8 @@ void check(const CLI::App& app, const MergeOptions& options) {
     for (const char* const option : {"--tonemap", "--exposure"})
         if (!png && app.get_option(option)->count() > 0)
             throw Error(ErrorKind::Usage, fmt::format("{} needs a .png among the outputs", option));
-    std::vector<std::string> outputs = options.outputPaths;
-    for (const std::string& path : {options.common.jsonPath, options.common.depfilePath})
-        if (!path.empty()) outputs.push_back(path);
-    requireDistinctPaths(options.shardPaths, outputs);
-    checkBuildOptions(options.common, options.shardPaths, outputs);
+    requireDistinctPaths(options.shardPaths, outputsOf(options));
+    checkBuildOptions(options.common, options.shardPaths, outputsOf(options));
 }
 
 std::optional<MergeOptions> parse(int argc, const char* const* argv) {
@@ -106,13 +111,6 @@ MergeRecipes recipesOf(const MergeOptions& options, const std::vector<ShardFile>
     MergeRecipes recipes{recipeOf(options.common.making, inputs), wholeRecipeOf(files)};
     if (!recipes.exr.isKnown()) recipes.exr = recipes.merge;
     return recipes;
-}
-
-bool isUpToDate(const MergeOptions& options, const MergeRecipes& recipes) {
-    std::vector<RecipeOutput> outputs;
-    for (const std::string& path : options.outputPaths) outputs.push_back({path, recipes.of(path)});
-    if (!options.common.jsonPath.empty()) outputs.push_back({options.common.jsonPath, recipes.merge});
-    return isUpToDate(options.common, outputs);
 }
 
 /// The picture as the outputs are to have it, filled row by row.
@@ -190,9 +188,9 @@ nlohmann::json reportOf(const std::vector<ShardFile>& files, const Image& header
                              {"shardBy", kShardKindNames[static_cast<std::size_t>(files[0].record.kind)]},
                              {"width", header.width},
                              {"height", header.height},
-                             {"samplesPerPixel", header.ints.at("samplesPerPixel")}};
-    if (const auto seconds = header.floats.find("renderTimeSeconds"); seconds != header.floats.end())
-        report["renderTimeSeconds"] = seconds->second;
+                             {kSamplesKey, header.ints.at(kSamplesKey)}};
+    if (const auto seconds = header.floats.find(kRenderSecondsKey); seconds != header.floats.end())
+        report[kRenderSecondsKey] = seconds->second;
     for (const auto& [stage, ms] : stages.stagesMs()) report[stage + "Ms"] = ms;
     report["peakMemoryBytes"] = peakMemoryBytes();
     return report;
@@ -227,15 +225,15 @@ void merge(const MergeOptions& options, const std::vector<ShardFile>& files, con
 int mergeCommand(int argc, const char* const* argv) {
     const std::optional<MergeOptions> options = parse(argc, argv);
     if (!options) return 0;
-    for (const std::string& path : options->outputPaths) requireWritable(path);
-    for (const std::string& path : {options->common.jsonPath, options->common.depfilePath})
-        if (!path.empty()) requireWritable(path);
+    const std::vector<std::string> outputs = outputsOf(*options);
+    for (const std::string& path : outputs) requireWritable(path);
     StageTimer stages;
     stages.begin("open");
     const std::vector<ShardFile> files = openShards(options->shardPaths);
     const MergeRecipes recipes = recipesOf(*options, files);
-    if (!isUpToDate(*options, recipes)) merge(*options, files, recipes, stages);
-    writeDependencies(options->common, options->outputPaths, options->shardPaths);
+    const auto isMade = [&](const std::string& output) { return carries(output, recipes.of(output)); };
+    if (!isUpToDate(options->common, outputs, isMade)) merge(*options, files, recipes, stages);
+    writeDependencies(options->common, outputs, options->shardPaths);
     return 0;
 }
 

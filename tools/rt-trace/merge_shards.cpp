@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "common/log.h"
+#include "formats/image_attributes.h"
 #include "formats/image_exr.h"
 #include "tools/rt-trace/render_image.h"
 #include "tools/rt-trace/sample_sum.h"
@@ -17,10 +18,6 @@ namespace rt {
 namespace {
 
 constexpr std::uint32_t kRows = 64; // at a time: a multiple of what ZIP compresses together
-
-constexpr const char* kSamples = "samplesPerPixel";
-constexpr const char* kSeconds = "renderTimeSeconds";
-constexpr const char* kRenderer = "rt:glRenderer";
 
 // Takes away what the shards do not all say alike.
 template <class Map>
@@ -42,38 +39,38 @@ void mergeSamples(const std::vector<ShardFile>& files, Image& header) {
     const bool bySamples = files[0].record.kind == ShardKind::Samples;
     std::int32_t samples = 0;
     for (const ShardFile& file : files) {
-        const auto found = file.header.ints.find(kSamples);
+        const auto found = file.header.ints.find(kSamplesKey);
         const auto most = static_cast<std::int32_t>(rangeOf(file).count);
         if (found == file.header.ints.end() || found->second < (bySamples ? most : 1) || found->second > most)
             throw Error(ErrorKind::InvalidContent,
                         fmt::format("{}: is damaged: its attribute {} is missing or not what this shard has",
-                                    file.path, kSamples));
+                                    file.path, kSamplesKey));
         samples = bySamples ? samples + found->second : std::max(samples, found->second);
     }
-    header.ints[kSamples] = samples;
+    header.ints[kSamplesKey] = samples;
 }
 
 void mergeTimes(const std::vector<ShardFile>& files, Image& header) {
     double seconds = 0.0;
     for (const ShardFile& file : files) {
-        const auto found = file.header.floats.find(kSeconds);
+        const auto found = file.header.floats.find(kRenderSecondsKey);
         if (found == file.header.floats.end()) return; // of one that is reproducible: nobody knows the sum
         seconds += double(found->second);
     }
-    header.floats[kSeconds] = static_cast<float>(seconds);
+    header.floats[kRenderSecondsKey] = static_cast<float>(seconds);
 }
 
 void mergeRenderers(const std::vector<ShardFile>& files, Image& header) {
     std::set<std::string> renderers;
     for (const ShardFile& file : files)
-        if (const auto found = file.header.texts.find(kRenderer); found != file.header.texts.end())
+        if (const auto found = file.header.texts.find(kRendererKey); found != file.header.texts.end())
             renderers.insert(found->second);
     if (renderers.empty()) return;
-    header.texts[kRenderer] = fmt::format("{}", fmt::join(renderers, ", "));
+    header.texts[kRendererKey] = fmt::format("{}", fmt::join(renderers, ", "));
     if (renderers.size() > 1)
         logWarning(fmt::format("the shards were rendered on devices of several kinds, which may round "
                                "differently: {}",
-                               header.texts[kRenderer]));
+                               header.texts[kRendererKey]));
 }
 
 /// One shard, whose rows are read from its top to its bottom.

@@ -2,7 +2,6 @@
 
 #include "common/error.h"
 #include "formats/image.h"
-#include "tools/rt-trace/device_choice.h"
 #include "tools/rt-trace/environment.h"
 #include "tools/rt-trace/picture_options.h"
 #include "tools/rt-trace/picture_recipe.h"
@@ -26,6 +25,7 @@ constexpr std::array<const char*, 3> kIntersectNames = {"watertight", "moller-tr
 // Options whose text is parsed once all of them are known.
 struct OptionTexts {
     PictureTexts picture;
+    std::string device = "auto";
     std::string rayOrder = "auto";
     std::string maxGpuMemory;
     std::string precision = "float";
@@ -52,7 +52,7 @@ void addQueryOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
 
 void addDeviceOptions(CLI::App& app, TraceOptions& options, OptionTexts& texts) {
     app.add_option(
-           "--device", options.device,
+           "--device", texts.device,
            fmt::format("auto (hardware first), software, an index of --list-devices, or the number that "
                        "CUDA gives the device; else what the environment variable {} says",
                        kDeviceVariable))
@@ -123,13 +123,10 @@ void convertTexts(const CLI::App& app, const OptionTexts& texts, TraceOptions& o
 }
 
 // What schedulers that start several runs side by side set for each; empty is as good as not set.
-void chooseDevice(const CLI::App& app, TraceOptions& options) {
+DeviceRequest chooseDevice(const CLI::App& app, const OptionTexts& texts) {
     const char* const variable = std::getenv(kDeviceVariable);
-    if (app.get_option("--device")->count() == 0 && variable && *variable) {
-        options.device = variable;
-        options.deviceSource = kDeviceVariable;
-    }
-    parseDevice(options.device, options.deviceSource);
+    const bool isVariable = app.get_option("--device")->count() == 0 && variable && *variable;
+    return isVariable ? parseDevice(variable, kDeviceVariable) : parseDevice(texts.device, "--device");
 }
 
 void checkPaths(const TraceOptions& options) {
@@ -203,7 +200,7 @@ std::optional<TraceOptions> parseTraceOptions(int argc, const char* const* argv)
     if (!parseCommandLine(app, argc, argv, options.common)) return std::nullopt;
     checkGroups(app, options);
     if (options.listDevices) return options;
-    chooseDevice(app, options);
+    options.device = chooseDevice(app, texts);
     convertTexts(app, texts, options);
     checkPaths(options);
     checkBuild(options);

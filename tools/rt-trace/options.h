@@ -1,8 +1,8 @@
 #pragma once
 #include "common/command_line.h"
-#include "formats/recipe.h"
 #include "tools/rt-trace/aovs.h"
 #include "tools/rt-trace/camera.h"
+#include "tools/rt-trace/device_choice.h"
 #include "tools/rt-trace/frame_range.h"
 #include "tools/rt-trace/lights.h"
 #include "tools/rt-trace/ray_order.h"
@@ -21,14 +21,11 @@ enum class Kernel { Compute, Multipass };
 /// What the command line of rt-trace asks for.
 struct TraceOptions {
     CommonOptions common;
-    Recipe recipe;           ///< that the pictures and their report are to carry
     std::string wholeMaking; ///< makingOf() the whole picture that a shard is a part of; else empty
-    Recipe wholeRecipe;      ///< of that picture
     bool listDevices = false;
     bool listCameras = false;
     bool explain = false;
-    std::string device = "auto";
-    std::string deviceSource = "--device"; ///< or the variable that names it
+    DeviceRequest device;
     bool noShaderCache = false;
     std::optional<std::uint64_t> maxGpuMemory; ///< bytes
     std::string scenePath;

@@ -119,7 +119,6 @@ Image imageOf(const Picture& picture, const TraceOptions& options, const GpuScen
     record.aovs = options.aovs;
     record.window = options.window;
     Image image = toImage(options.size, picture.pixels, record);
-    if (options.recipe.isKnown()) image.texts[kRecipeKey] = options.recipe.mark();
     if (options.shard) labelShard(image, options, setup, scene.plan.features, scene.file.contentHash);
     return image;
 }

@@ -29,7 +29,7 @@ struct Picture {
 Picture renderPicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
                       StageTimer& stages);
 
-/// As the files hold it.
+/// As the files hold it, but for its recipes.
 Image imageOf(const Picture& picture, const TraceOptions& options, const GpuScene& scene,
               const PictureSetup& setup);
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "formats/image.h"
+#include "formats/recipe.h"
 #include "tools/rt-trace/film.h"
 #include "tools/rt-trace/options.h"
 
@@ -16,7 +17,7 @@ Image forScreen(Image image, ToneMap map, double exposureStops);
 
 /// Writes the image under each name; PNGs get what forScreen() gives. All are encoded before the first is
 /// written: a picture that cannot be encoded leaves no other one behind.
-/// The image has the recipe's mark, see imageOf().
+/// The image has the recipe's mark, see addRecipes().
 void writePictures(const std::vector<std::string>& paths, const Image& image, ToneMap map,
                    double exposureStops, const Recipe& recipe = {});
 

@@ -1,8 +1,11 @@
 #include "tools/rt-trace/picture_recipe.h"
 
 #include "formats/environment_picture.h"
+#include "formats/image_attributes.h"
 
 #include <fmt/format.h>
+
+#include <map>
 
 namespace rt {
 
@@ -20,31 +23,51 @@ std::string makingOf(const CLI::App& app, const TraceOptions& options, bool whol
                                      "--explain", "--no-shader-cache"};
     if (isEnvironmentFile(options.environment)) neutral.push_back("--environment");
     if (wholePicture) neutral.insert(neutral.end(), {"--shard", "--shard-by"});
-    return makingOf(app, options.common, neutral) + (options.device == "software" ? "\nsoftware" : "");
+    return makingOf(app, options.common, neutral) +
+           (options.device.kind == DeviceRequest::Kind::Software ? "\nsoftware" : "");
 }
 
-Recipe recipeOfFrame(const Recipe& recipe, unsigned frame) {
-    return recipe.isKnown() ? Recipe(fmt::format("{}\nframe {}", recipe.text(), frame)) : Recipe();
+PictureRecipes recipesOf(const TraceOptions& options) {
+    const std::vector<RecipeInput> inputs = inputsOf(options);
+    return {recipeOf(options.common.making, inputs),
+            options.wholeMaking.empty() ? Recipe() : recipeOf(options.wholeMaking, inputs)};
 }
 
-Recipe recipeOfReport(const TraceOptions& options) {
-    if (!options.frames || !options.recipe.isKnown()) return options.recipe;
-    return Recipe(
-        fmt::format("{}\nframes {}-{}", options.recipe.text(), options.frames->first, options.frames->last));
+PictureRecipes recipesOfFrame(const PictureRecipes& recipes, unsigned frame) {
+    const auto ofFrame = [&](const Recipe& recipe) {
+        return recipe.isKnown() ? Recipe(fmt::format("{}\nframe {}", recipe.text(), frame)) : Recipe();
+    };
+    return {ofFrame(recipes.own), ofFrame(recipes.whole)};
 }
 
-bool isUpToDate(const TraceOptions& options) {
-    std::vector<RecipeOutput> outputs;
+Recipe recipeOfReport(const TraceOptions& options, const Recipe& own) {
+    if (!options.frames || !own.isKnown()) return own;
+    return Recipe(fmt::format("{}\nframes {}-{}", own.text(), options.frames->first, options.frames->last));
+}
+
+void addRecipes(Image& image, const PictureRecipes& recipes) {
+    if (recipes.own.isKnown()) image.texts[kRecipeKey] = recipes.own.mark();
+    if (recipes.whole.isKnown()) image.texts[kWholeRecipeKey] = recipes.whole.text();
+}
+
+bool isUpToDate(const TraceOptions& options, const PictureRecipes& recipes) {
+    std::vector<std::string> outputs;
+    std::map<std::string, Recipe> wanted;
+    const auto add = [&](const std::string& path, const Recipe& recipe) {
+        outputs.push_back(path);
+        wanted[path] = recipe;
+    };
     for (const std::string& path : options.outputPaths) {
-        if (!options.frames) outputs.push_back({path, options.recipe});
+        if (!options.frames) add(path, recipes.own);
         const FrameRange frames = options.frames.value_or(FrameRange{1, 0});
-        for (std::uint64_t frame = frames.first; frame <= frames.last; ++frame)
-            outputs.push_back({framePath(path, static_cast<unsigned>(frame)).value_or(path),
-                               recipeOfFrame(options.recipe, static_cast<unsigned>(frame))});
+        for (std::uint64_t frame = frames.first; frame <= frames.last; ++frame) {
+            const auto number = static_cast<unsigned>(frame);
+            add(framePath(path, number).value_or(path), recipesOfFrame(recipes, number).own);
+        }
     }
-    if (!options.common.jsonPath.empty())
-        outputs.push_back({options.common.jsonPath, recipeOfReport(options)});
-    return isUpToDate(options.common, outputs);
+    if (!options.common.jsonPath.empty()) add(options.common.jsonPath, recipeOfReport(options, recipes.own));
+    const auto isMade = [&](const std::string& output) { return carries(output, wanted.at(output)); };
+    return isUpToDate(options.common, outputs, isMade);
 }
 
 } // namespace rt

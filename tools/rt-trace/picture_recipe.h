@@ -1,4 +1,6 @@
 #pragma once
+#include "formats/image.h"
+#include "formats/recipe.h"
 #include "tools/rt-trace/options.h"
 
 namespace rt {
@@ -10,12 +12,20 @@ std::vector<RecipeInput> inputsOf(const TraceOptions& options);
 /// `wholePicture`: of the picture that a shard is of.
 std::string makingOf(const CLI::App& app, const TraceOptions& options, bool wholePicture);
 
-/// That of one of several frames: the call's, and which one it is.
-Recipe recipeOfFrame(const Recipe& recipe, unsigned frame);
+struct PictureRecipes {
+    Recipe own;
+    Recipe whole; ///< of a part: that of the picture in one run; else not known
+};
+PictureRecipes recipesOf(const TraceOptions& options);
+/// Those of one of several frames: the call's, and which one it is.
+PictureRecipes recipesOfFrame(const PictureRecipes& recipes, unsigned frame);
 /// That of the JSON file, which is of all frames.
-Recipe recipeOfReport(const TraceOptions& options);
+Recipe recipeOfReport(const TraceOptions& options, const Recipe& own);
 
-/// Whether --if-changed is given and all pictures, of all frames, and the JSON file carry options.recipe.
-bool isUpToDate(const TraceOptions& options);
+/// Sets the attributes.
+void addRecipes(Image& image, const PictureRecipes& recipes);
+
+/// Whether --if-changed is given and all pictures, of all frames, and the JSON file carry their recipes.
+bool isUpToDate(const TraceOptions& options, const PictureRecipes& recipes);
 
 } // namespace rt

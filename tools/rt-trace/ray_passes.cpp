@@ -118,7 +118,6 @@ bool RayPasses::iterate(const GpuPrograms& programs, StageTimes* times, bool isA
 }
 
 void RayPasses::render(const GpuPrograms& programs, const glm::uvec4& region, StageTimes* times) {
-    const PassCounts before = counts_;
     glViewport(static_cast<GLint>(region.x), static_cast<GLint>(region.y),
                static_cast<GLsizei>(region.z - region.x), static_cast<GLsizei>(region.w - region.y));
     glEnable(GL_DEPTH_TEST);
@@ -127,7 +126,12 @@ void RayPasses::render(const GpuPrograms& programs, const glm::uvec4& region, St
     }
     shade(programs, kStageResolve, times);
     glDisable(GL_DEPTH_TEST);
-    if (region.z == region.x) counts_ = before; // a warm-up
+}
+
+void RayPasses::warmUp(const GpuPrograms& programs) {
+    const PassCounts before = counts_;
+    render(programs, glm::uvec4(0), nullptr);
+    counts_ = before;
 }
 
 } // namespace rt

@@ -28,8 +28,10 @@ public:
     static std::uint64_t bytesFor(glm::uvec2 size);
     void bind() const;
     /// Renders a sample of each pixel of a region, [xy, zw) of the textures, with the parameters that are
-    /// bound. `times` as for SampleSlots::render().
+    /// bound. `times` as for SampleRounds::render().
     void render(const GpuPrograms& programs, const glm::uvec4& region, StageTimes* times);
+    /// Draws each pass without rendering anything.
+    void warmUp(const GpuPrograms& programs);
     /// Of all that was rendered.
     const PassCounts& counts() const { return counts_; }
 

@@ -73,6 +73,8 @@ GpuView::GpuView(const CameraParams& camera, const RenderParams& params, const s
     params_.slots = {slots_.count(), 0, 0, 0};
     if (features.multipass)
         passes_.emplace(glm::uvec2(params.region.z, params.region.w) - glm::uvec2(params.region));
+    else
+        rounds_.emplace(slots_.count());
 }
 
 void GpuView::bind() const {
@@ -80,23 +82,36 @@ void GpuView::bind() const {
     glBindBufferBase(GL_UNIFORM_BUFFER, RT_BINDING_RENDER, paramsBuffer_.name());
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_LIGHTS, lightBuffer_.name());
     slots_.bind();
+    if (rounds_) rounds_->bind();
     if (passes_) passes_->bind();
     checkGl("binding the camera");
 }
 
-void GpuView::renderBatch(const GpuPrograms& programs, const glm::uvec4& region, unsigned first,
-                          unsigned count) {
+void GpuView::setBatch(const glm::uvec4& region, unsigned first, unsigned count) {
     RenderParams params = params_;
     params.region = region;
     params.samples.x += first;
     params.samples.y = count;
     updateBuffer(paramsBuffer_, std::as_bytes(std::span(&params, 1)));
     glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT); // pixels go on from their last sums
-    const glm::uvec4 corner(params.size.z, params.size.w, params.size.z, params.size.w);
+}
+
+void GpuView::renderBatch(const GpuPrograms& programs, const glm::uvec4& region, unsigned first,
+                          unsigned count) {
+    setBatch(region, first, count);
+    const glm::uvec4 corner(params_.size.z, params_.size.w, params_.size.z, params_.size.w);
     if (passes_)
-        passes_->render(programs, count > 0 ? region - corner : glm::uvec4(0), times_);
+        passes_->render(programs, region - corner, times_);
     else
-        slots_.render(programs, samplesIn(region) * count, times_);
+        rounds_->render(programs, samplesIn(region) * count, times_);
+}
+
+void GpuView::warmUp(const GpuPrograms& programs) {
+    setBatch(glm::uvec4(0), 0, 0);
+    if (passes_)
+        passes_->warmUp(programs);
+    else
+        rounds_->render(programs, 0, nullptr);
 }
 
 void GpuView::render(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count) {

@@ -43,14 +43,16 @@ public:
     /// Of --kernel multipass, of all that was rendered.
     PassCounts passes() const { return passes_ ? passes_->counts() : PassCounts{}; }
     /// Dispatches the programs without rendering anything.
-    void warmUp(const GpuPrograms& programs) { renderBatch(programs, glm::uvec4(0), 0, 0); }
+    void warmUp(const GpuPrograms& programs);
 
 private:
+    void setBatch(const glm::uvec4& region, unsigned first, unsigned count);
     void renderBatch(const GpuPrograms& programs, const glm::uvec4& region, unsigned first, unsigned count);
 
     RenderParams params_;
     GlBuffer cameraBuffer_, paramsBuffer_, lightBuffer_;
     SampleSlots slots_;
+    std::optional<SampleRounds> rounds_; // one of the two
     std::optional<RayPasses> passes_;
     StageTimes* times_ = nullptr;
 };

@@ -1,5 +1,7 @@
 #include "tools/rt-trace/render_image.h"
 
+#include "formats/image_attributes.h"
+
 #include <fmt/format.h>
 #include <glm/mat4x4.hpp>
 
@@ -59,18 +61,18 @@ glm::dmat4 ndcFromCamera(const CameraBasis& basis, unsigned view) {
 void addAttributes(Image& image, glm::uvec2 size, const RenderRecord& record) {
     const CameraBasis basis = basisOf(record.camera, double(size.x) / size.y);
     const glm::dmat4 worldToCamera = cameraFromWorld(record.camera, basis);
-    image.matrices["worldToCamera"] = rowMajorForRowVectors(worldToCamera);
+    image.matrices[kWorldToCameraKey] = rowMajorForRowVectors(worldToCamera);
     if (record.camera.view != kPanoramaView)
-        image.matrices["worldToNDC"] =
+        image.matrices[kWorldToNdcKey] =
             rowMajorForRowVectors(ndcFromCamera(basis, record.camera.view) * worldToCamera);
-    image.texts["software"] = "rt-tools " RT_VERSION;
-    image.texts["rt:sceneHash"] = fmt::format("{:016x}", record.sceneHash);
-    image.texts["rt:atlasHash"] = fmt::format("{:016x}", record.atlasHash);
-    image.texts["rt:glRenderer"] = record.renderer;
-    image.ints["samplesPerPixel"] = static_cast<std::int32_t>(record.samples);
-    image.ints["rt:seed"] = static_cast<std::int32_t>(record.seed);
+    image.texts[kSoftwareKey] = "rt-tools " RT_VERSION;
+    image.texts[kSceneHashKey] = fmt::format("{:016x}", record.sceneHash);
+    image.texts[kAtlasHashKey] = fmt::format("{:016x}", record.atlasHash);
+    image.texts[kRendererKey] = record.renderer;
+    image.ints[kSamplesKey] = static_cast<std::int32_t>(record.samples);
+    image.ints[kSeedKey] = static_cast<std::int32_t>(record.seed);
     if (record.renderTimeSeconds)
-        image.floats["renderTimeSeconds"] = static_cast<float>(*record.renderTimeSeconds);
+        image.floats[kRenderSecondsKey] = static_cast<float>(*record.renderTimeSeconds);
 }
 
 struct ChannelRow {

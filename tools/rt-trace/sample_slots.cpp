@@ -77,24 +77,31 @@ void timed(double* ms, const std::function<void()>& work) {
 
 SampleSlots::SampleSlots(const SceneFeatures& features, const GlLimits& limits, std::uint64_t most)
     : count_(slotCount(features, limits, most)),
-      slots_(createOutputBuffer(count_ * slotLayout(features).bytes())),
-      rounds_(createOutputBuffer(sizeof(Rounds) + count_ * kQueueBytes)), noRounds_(createNoRounds()),
-      answer_(createDynamicBuffer(sizeof(TraceRound))) {}
+      slots_(createOutputBuffer(count_ * slotLayout(features).bytes())) {}
 
 std::uint64_t SampleSlots::bytesFor(const SceneFeatures& features, const GlLimits& limits,
                                     std::uint64_t most) {
-    return slotCount(features, limits, most) * (slotLayout(features).bytes() + kQueueBytes);
+    const std::uint64_t queueBytes = features.multipass ? 0 : kQueueBytes;
+    return slotCount(features, limits, most) * (slotLayout(features).bytes() + queueBytes);
 }
 
 void SampleSlots::bind() const {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_SLOTS, slots_.name());
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_ROUNDS, rounds_.name());
-    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, rounds_.name());
     checkGl("binding the samples");
 }
 
+SampleRounds::SampleRounds(unsigned slots)
+    : rounds_(createOutputBuffer(sizeof(Rounds) + slots * kQueueBytes)), noRounds_(createNoRounds()),
+      answer_(createDynamicBuffer(sizeof(TraceRound))) {}
+
+void SampleRounds::bind() const {
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, RT_BUFFER_ROUNDS, rounds_.name());
+    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, rounds_.name());
+    checkGl("binding the rounds");
+}
+
 // Whether the round has anything to do.
-bool SampleSlots::isWanted(unsigned round) {
+bool SampleRounds::isWanted(unsigned round) {
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     copyRounds(rounds_, round, answer_, 0, 1);
     TraceRound answer;
@@ -102,7 +109,7 @@ bool SampleSlots::isWanted(unsigned round) {
     return answer.groups.x > 0;
 }
 
-void SampleSlots::render(const GpuPrograms& programs, unsigned samples, StageTimes* times) {
+void SampleRounds::render(const GpuPrograms& programs, unsigned samples, StageTimes* times) {
     copyRounds(noRounds_, 0, rounds_, 0, kRoundsInGroup + 1);
     traceAndShade(programs, kStageBegin, 0, samples, times);
     unsigned round = 1, taken = 0, due = expected_;

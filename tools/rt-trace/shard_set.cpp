@@ -2,6 +2,7 @@
 
 #include "common/error.h"
 #include "formats/exr_header.h"
+#include "formats/image_attributes.h"
 #include "formats/image_exr.h"
 #include "formats/recipe.h"
 #include "tools/rt-trace/shard.h"
@@ -72,7 +73,7 @@ std::string textIn(const Image& image, const char* key) {
 }
 
 std::string seedOf(const Image& image) {
-    const auto found = image.ints.find("rt:seed");
+    const auto found = image.ints.find(kSeedKey);
     return found == image.ints.end() ? "none" : fmt::format("{}", found->second);
 }
 
@@ -85,7 +86,7 @@ Identity identityOf(const ShardFile& file) {
     for (const auto& [name, values] : image.matrices)
         matrices += fmt::format("{} {}\n", name, fmt::join(values, " "));
     Identity identity = {
-        {"atlas", textIn(image, "rt:atlasHash") + textIn(image, "rt:sceneHash")},
+        {"atlas", textIn(image, kAtlasHashKey) + textIn(image, kSceneHashKey)},
         {"--size", fmt::format("{}x{}", image.frame->width, image.frame->height)},
         {"--crop", fmt::format("{}", fmt::join(record.window, ","))},
         {"--seed", seedOf(image)},
@@ -93,7 +94,7 @@ Identity identityOf(const ShardFile& file) {
         {"--aov", channelsOf(image)},
         {"number of shards", fmt::format("{}", record.count)},
         {"--shard-by", fmt::format("{}", static_cast<int>(record.kind))},
-        {"version of rt-trace", textIn(image, "software")},
+        {"version of rt-trace", textIn(image, kSoftwareKey)},
         {"matrices of the camera", matrices},
     };
     for (const ShardRecord::Setting& setting : record.settings)

@@ -7,7 +7,6 @@
 #include "tools/rt-trace/explain.h"
 #include "tools/rt-trace/picture.h"
 #include "tools/rt-trace/picture_files.h"
-#include "tools/rt-trace/picture_recipe.h"
 #include "tools/rt-trace/render_image.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/turntable.h"
@@ -20,15 +19,16 @@ namespace rt {
 namespace {
 
 /// Renders and writes what the options' outputs name. Returns its figures.
-nlohmann::json makePicture(const TraceOptions& options, const GpuScene& scene, const PictureSetup& setup,
-                           StageTimer& stages) {
+nlohmann::json makePicture(const TraceOptions& options, const PictureRecipes& recipes, const GpuScene& scene,
+                           const PictureSetup& setup, StageTimer& stages) {
     Picture picture = renderPicture(options, scene, setup, stages);
     const bool heat = options.heat != Heat::None; // its colours are what they are
     stages.begin("write");
-    const Image image = imageOf(picture, options, scene, setup);
+    Image image = imageOf(picture, options, scene, setup);
+    addRecipes(image, recipes);
     picture.nonFinite = countNonFinite(image);
     writePictures(options.outputPaths, image, heat ? ToneMap::None : options.toneMap,
-                  heat ? 0.0 : options.exposureStops, options.recipe);
+                  heat ? 0.0 : options.exposureStops, recipes.own);
     stages.end();
     logPicture(picture, options);
     return figuresOf(picture, options, setup);
@@ -51,18 +51,17 @@ CameraRequest cameraOfFrame(const TraceOptions& options, const std::vector<Camer
     return turnedCamera(first, 360.0 * (frame - 1.0) / options.turntable, options.camera);
 }
 
-nlohmann::json makeFrames(const TraceOptions& options, const std::vector<CameraKey>& path,
-                          const GpuScene& scene, PictureSetup& setup, StageTimer& stages) {
+nlohmann::json makeFrames(const TraceOptions& options, const PictureRecipes& recipes,
+                          const std::vector<CameraKey>& path, const GpuScene& scene, PictureSetup& setup,
+                          StageTimer& stages) {
     nlohmann::json frames = nlohmann::json::array();
     const CameraPose first = setup.pose;
     for (unsigned frame = options.frames->first; frame <= options.frames->last; ++frame) {
         TraceOptions ofFrame = options;
-        ofFrame.recipe = recipeOfFrame(options.recipe, frame);
-        ofFrame.wholeRecipe = recipeOfFrame(options.wholeRecipe, frame);
         for (std::string& output : ofFrame.outputPaths) output = framePath(output, frame).value_or(output);
         moveCamera(setup, cameraOfFrame(options, path, first, frame), options, scene.file.atlas);
         logInfo(fmt::format("frame {}", frame));
-        frames.push_back(makePicture(ofFrame, scene, setup, stages));
+        frames.push_back(makePicture(ofFrame, recipesOfFrame(recipes, frame), scene, setup, stages));
         frames.back()["frame"] = frame;
     }
     return frames;
@@ -100,18 +99,18 @@ void requireClock(const PictureNeeds& needs, const GlLimits& limits) {
 }
 
 // `figures`: what there is to say beside the scene.
-void report(const TraceOptions& options, const GpuScene& scene, const StageTimer& stages,
-            const nlohmann::json& figures) {
+void report(const TraceOptions& options, const PictureRecipes& recipes, const GpuScene& scene,
+            const StageTimer& stages, const nlohmann::json& figures) {
     if (options.common.jsonPath.empty()) return;
     nlohmann::json report = figures;
     reportCommon(report, scene, stages);
     reportSections(report, scene, options.environment.empty());
-    writeReport(options.common.jsonPath, report, recipeOfReport(options));
+    writeReport(options.common.jsonPath, report, recipeOfReport(options, recipes.own));
 }
 
 } // namespace
 
-void traceScene(const TraceOptions& given) {
+void traceScene(const TraceOptions& given, const PictureRecipes& recipes) {
     StageTimer stages;
     TraceOptions options = given;
     std::vector<CameraKey> path;
@@ -136,15 +135,15 @@ void traceScene(const TraceOptions& given) {
     const GpuScene scene = loadScene(options, ShaderKind::Render, choose, stages);
     if (options.explain && options.common.jsonPath != "-")
         writeFile("-", explanation(scene.file.atlas, scene.plan, options.environment.empty()));
-    if (options.outputPaths.empty()) return report(options, scene, stages, {});
+    if (options.outputPaths.empty()) return report(options, recipes, scene, stages, {});
     const std::optional<GpuEnvironment> environment = uploadEnvironment(options, setup, scene);
     nlohmann::json figures;
     if (options.frames)
-        figures["frames"] = makeFrames(options, path, scene, setup, stages);
+        figures["frames"] = makeFrames(options, recipes, path, scene, setup, stages);
     else
-        figures = makePicture(options, scene, setup, stages);
+        figures = makePicture(options, recipes, scene, setup, stages);
     logStages(stages);
-    report(options, scene, stages, figures);
+    report(options, recipes, scene, stages, figures);
 }
 
 } // namespace rt
