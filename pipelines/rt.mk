@@ -20,7 +20,7 @@ RT_COMPARE_FLAGS ?=
 
 rt_comma := ,
 rt_bin := $(if $(RT_TOOLS_DIR),$(RT_TOOLS_DIR:%/=%)/)
-rt_common = --json $@.json --depfile $@.d --if-changed
+rt_common = --json $@.json --if-changed
 # The prerequisites of a kind; there must be some.
 rt_inputs = $(or $(filter $(1),$^),$(error $@ is missing, and no $(1) is named as what it is made of$(2)))
 rt_golden_hint = ; if it is a golden: look at the new picture and copy it there (update-goldens in the examples)
@@ -41,8 +41,8 @@ $(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: 
 	$(rt_bin)rt-grid $(call rt_inputs,%.rtmesh) -o $@ $(rt_common) $(RT_GRID_FLAGS)
 
 # A frame's device follows from its number. A picture that is made of nothing, a golden say, is left as it is.
-rt_trace = set -- $(subst $(rt_comma), ,$(RT_DEVICES)); shift $$(expr 0$(rt_frame) % $$\#); set -x; \
-	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(filter %.rtatlas,$^) -o $*.exr -o $*.png --device $$1 \
+rt_trace = set -- $(or $(subst $(rt_comma), ,$(RT_DEVICES)),auto); shift $$(expr 0$(rt_frame) % $$\#); set -x; \
+	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(filter %.rtatlas,$^) -o $*.exr -o $*.png $(if $(filter-out auto,$(RT_DEVICES)),--device $$1) \
 	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
 %.exr %.png: rt-always
 	@$(if $(filter %.rtatlas,$^)$(if $(wildcard $@),,missing),$(if $(call rt_inputs,%.rtatlas,$(rt_golden_hint)),$(rt_trace)),:)
@@ -51,5 +51,3 @@ rt_trace = set -- $(subst $(rt_comma), ,$(RT_DEVICES)); shift $$(expr 0$(rt_fram
 	@rm -f $@
 	$(rt_bin)rt-compare $(call rt_inputs,%.exr) --json $*.json --html $*.html --if-changed $(RT_COMPARE_FLAGS)
 	@touch $@
-
--include $(wildcard *.d */*.d)

@@ -5,7 +5,7 @@ import pathlib
 import re
 import subprocess
 
-COMMAND = re.compile(r"^Other commands: (.*)$", re.MULTILINE)
+COMMAND = re.compile(r"^(?:Other commands|Another command): (.*)$", re.MULTILINE)
 
 
 def help_of(tool, command=None):
@@ -96,7 +96,7 @@ def completion(name, pages):
                 lines.append(f'        {option}) COMPREPLY=($(compgen -W "{" ".join(choices)}" -- "$word")); return ;;')
         lines += ["        esac", '        if [[ "$word" == -* ]]; then',
                   f'            COMPREPLY=($(compgen -W "{" ".join(options)}" -- "$word")); return', "        fi ;;"]
-    lines += ["    esac", '    COMPREPLY=($(compgen -f -- "$word"))']
+    lines += ["    esac", '    mapfile -t COMPREPLY < <(compgen -f -- "$word")']  # names may have blanks
     if commands:
         lines.append(f'    [[ $COMP_CWORD == 1 ]] && COMPREPLY+=($(compgen -W "{" ".join(commands)}" -- "$word"))')
     return "\n".join(lines + ["}", f"complete -o filenames -F {function} {name}"]) + "\n"

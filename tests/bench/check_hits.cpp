@@ -40,8 +40,10 @@ bool parse(int argc, const char* const* argv, Options& options) {
     app.add_option("expected", options.expectedPath, "Hits to expect")->required()->type_name("FILE");
     app.add_option("got", options.gotPath, "Hits to judge")->required()->type_name("FILE");
     app.add_option("--rays", options.raysPath, "The rays of both")->required()->type_name("FILE");
-    app.add_option("--mesh", options.meshPath,
-                   "Their scene: then silhouettes, where rounding decides, pass too")
+    app.add_option(
+           "--mesh", options.meshPath,
+           "Their scene: then silhouettes, where rounding decides, pass too, and triangle, u and v have "
+           "to fit t")
         ->type_name("scene.rtmesh");
     app.add_flag("--any-hit", options.anyHit, "Compare hit and miss only");
     app.add_option("--allow-per-million", options.allowPerMillion,
@@ -67,9 +69,11 @@ std::string summaryOf(const HitCounts& counts) {
 
 HitCounts judge(const Options& options, const TracedRays& traced) {
     HitCounts counts = compareHits(traced);
-    if (!counts.faults.empty() && !options.meshPath.empty()) {
+    if (!options.meshPath.empty()) {
         const MeshFile file = readMesh(options.meshPath);
-        excuseEdges(EmbreeTracer(file.mesh, EmbreeMode::Robust, 1), traced, counts);
+        if (!counts.faults.empty())
+            excuseEdges(EmbreeTracer(file.mesh, EmbreeMode::Robust, 1), traced, counts);
+        findDisplaced(file.mesh, traced, counts);
     }
     for (std::size_t n = 0; n < std::min(counts.faults.size(), kListedFaults); ++n) {
         const std::size_t i = counts.faults[n];

@@ -107,6 +107,23 @@ bool isEdge(const EmbreeTracer& tracer, const TracedRays& traced, std::size_t i)
     });
 }
 
+// Between the point of the hit's triangle and that of the ray.
+double displacement(const Mesh& mesh, const QueryRay& ray, const QueryHit& hit) {
+    const double u = std::bit_cast<float>(hit.tuvId.y), v = std::bit_cast<float>(hit.tuvId.z);
+    const glm::uvec3 corners = mesh.triangles[hit.tuvId.w];
+    const glm::dvec3 onTriangle = (1.0 - u - v) * glm::dvec3(mesh.positions[corners.x]) +
+                                  u * glm::dvec3(mesh.positions[corners.y]) +
+                                  v * glm::dvec3(mesh.positions[corners.z]);
+    const glm::dvec3 onRay = glm::dvec3(ray.originTmin) + distanceOf(hit) * glm::dvec3(ray.directionTmax);
+    return glm::distance(onTriangle, onRay);
+}
+
+bool isDisplaced(const Mesh& mesh, const QueryRay& ray, const QueryHit& hit, HitClass c) {
+    if (hit.tuvId.w >= mesh.triangles.size()) return true;
+    const double allowed = c == HitClass::Grazing ? kGrazing : kSameDistance;
+    return displacement(mesh, ray, hit) > allowed * sizeOf(ray, distanceOf(hit));
+}
+
 } // namespace
 
 HitCounts compareHits(const TracedRays& traced) {
@@ -134,6 +151,19 @@ void excuseEdges(const EmbreeTracer& tracer, const TracedRays& traced, HitCounts
         ++counts[HitClass::Edge];
         return true;
     });
+}
+
+void findDisplaced(const Mesh& mesh, const TracedRays& traced, HitCounts& counts) {
+    if (traced.anyHit) return;
+    for (std::size_t i = 0; i < traced.rays.size(); ++i) {
+        const HitClass c = classOf(traced.rays[i], traced.expected[i], traced.got[i], false);
+        if (isFault(c) || isMiss(traced.got[i]) || !isDisplaced(mesh, traced.rays[i], traced.got[i], c))
+            continue;
+        --counts[c];
+        ++counts[HitClass::Wrong];
+        counts.faults.push_back(i);
+    }
+    std::sort(counts.faults.begin(), counts.faults.end());
 }
 
 } // namespace rt::bench

@@ -1,6 +1,7 @@
 // What rt-trace found against what Embree found, ray by ray.
 #pragma once
 #include "formats/gpu_interface.shared.h"
+#include "formats/mesh.h"
 
 #include <array>
 #include <cstdint>
@@ -22,7 +23,8 @@ enum class HitClass {
     Edge,    ///< would be one of the following, but a ray 1e-6 of the size aside has this very hit
     Lost,    ///< only the expected hit is there
     Extra,   ///< only the other one is there
-    Wrong,   ///< both hit, but elsewhere, or the record makes no sense
+    Wrong,   ///< both hit, but elsewhere, or the record makes no sense or, see findDisplaced(), contradicts
+             ///< itself
 };
 inline constexpr std::array kHitClassNames = {"agree", "ties", "nearTies", "grazing",
                                               "edges", "lost", "extra",    "wrong"};
@@ -56,5 +58,10 @@ HitCounts compareHits(const TracedRays& traced);
 /// 1e-6 of the size away: silhouettes, where rounding decides between hit and miss. A ray that slips through
 /// between two triangles stays a fault, because its neighbours do not.
 void excuseEdges(const EmbreeTracer& tracer, const TracedRays& traced, HitCounts& counts);
+
+/// Moves to Wrong what is in no class of faults, but whose triangle has its point u, v farther than 1e-5 of
+/// the size (Grazing: 1e-3) from where the ray is at t: t alone may be right by chance, or of another
+/// triangle. For any-hit queries nothing is looked at. Call it last.
+void findDisplaced(const Mesh& mesh, const TracedRays& traced, HitCounts& counts);
 
 } // namespace rt::bench

@@ -236,7 +236,7 @@ TEST_F(MakePipeline, FramesAreHeldAgainstGoldens) {
     EXPECT_THAT(makeWith("RT_TRACE_FLAGS=--size 24x8 --turntable 12").err,
                 Not(HasSubstr("up to date: turn")));
     ASSERT_EQ(make("test").exitCode, 0);
-    write("model.mtl", "newmtl red\nKd 0.1 0.8 0.1\n"); // known from the dependency file
+    write("model.mtl", "newmtl red\nKd 0.1 0.8 0.1\n"); // no prerequisite: rt-import knows it
     std::filesystem::last_write_time(
         folder_.file("model.mtl"), std::filesystem::file_time_type::clock::now() - std::chrono::hours(1000));
     const CommandResult changed = make("test");
