@@ -1,15 +1,14 @@
 """Draws what collect.py has put together, the counterparts of the thesis' figures 4 to 8, and writes its tables:
 figures.py OUT [README.md, of which the tables are replaced and beside which the pictures are put]"""
-import csv
 import math
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "benchmark"))
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
 import plot  # noqa: E402
+import tables  # noqa: E402
 
 SPARSE = "sparse"
 FIGURES = {256: "Figure 5", 512: "Figure 6", 1024: "Figure 7"}
@@ -28,8 +27,7 @@ class Measured:
     """The rows, by what they are of."""
 
     def __init__(self, path):
-        with open(path, newline="", encoding="utf-8") as file:
-            self.rows = list(csv.DictReader(file))
+        self.rows = tables.read(path)
         self.by_case = {tuple(row[key] for key in ("scene", "structure", "grid", "kernel", "size")): row for row in self.rows}
         self.scenes = self.values("scene")
         self.kernels = [kernel for kernel in KERNELS if kernel in self.values("kernel")]
@@ -90,10 +88,8 @@ def sparse(measured):
 
 def all_figures(measured):
     found = {f"times-{kernel}": (f"{kernel}: {KERNELS[kernel]}; {measured.device}", times(measured, kernel)) for kernel in measured.kernels}
-    found |= {"gain": (f"What empty space gains, {measured.device}", gains(measured))}
-    found |= {"sparse": (f"Sparse scene, {measured.device}", sparse(measured))}
-    shown = {name: (heading, [panel for panel in panels if panel.values]) for name, (heading, panels) in found.items()}
-    return {name: figure for name, figure in shown.items() if figure[1]}
+    found["gain"] = (f"What empty space gains, {measured.device}", gains(measured))
+    return found | {"sparse": (f"Sparse scene, {measured.device}", sparse(measured))}
 
 
 def contact_sheet(measured, pictures, path):
@@ -115,7 +111,7 @@ def contact_sheet(measured, pictures, path):
             f"set title {plot.quoted(f'{scene}: {triangles:,} triangles')} offset 0,-0.6",
             f"plot {plot.quoted(str(pictures / f'{scene}-picture.png'))} binary filetype=png with rgbimage",
         ]  # fmt: skip
-    subprocess.run(["gnuplot"], input="\n".join([*lines, "unset multiplot", ""]), text=True, check=True)
+    plot.run_gnuplot("\n".join([*lines, "unset multiplot", ""]))
     return [path]
 
 
@@ -194,7 +190,7 @@ def findings_table(measured):
     return table(heads, [line for line in lines if line[-1]])
 
 
-def tables(measured):
+def text_tables(measured):
     parts = [f"Measured on {measured.device}.", findings_table(measured), scene_table(measured)]
     for kernel in measured.kernels:
         parts += [f"{kernel}: {KERNELS[kernel]}.", frames_table(measured, kernel)]
@@ -205,12 +201,11 @@ def write(out):
     """tables.md, and the pictures where there is gnuplot; their paths."""
     out = pathlib.Path(out)
     measured = Measured(out / "thesis.csv")
-    (out / "tables.md").write_text(tables(measured), encoding="utf-8")
-    if shutil.which("gnuplot") is None:
-        print("no plots: gnuplot is not installed; later: figures.py OUT", file=sys.stderr)
+    (out / "tables.md").write_text(text_tables(measured), encoding="utf-8")
+    if not plot.has_gnuplot():
         return [out / "tables.md"]
     return [out / "tables.md", *contact_sheet(measured, out, out / "scenes.png"),
-            *plot.draw_figures(all_figures(measured), out)]  # fmt: skip
+            *plot.draw(all_figures(measured), out)]  # fmt: skip
 
 
 def update_page(out, page):
