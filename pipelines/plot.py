@@ -1,6 +1,6 @@
 """Bars of several series over scenes, drawn with gnuplot."""
+import functools
 import math
-import pathlib
 import shutil
 import subprocess
 import sys
@@ -112,16 +112,21 @@ def script(heading, panels, terminal, path):
     return "\n".join([*lines, "unset multiplot", ""])
 
 
+@functools.cache
 def has_gnuplot():
-    """False, which is said, where there is none."""
+    """False, which is said once, where there is none."""
     found = shutil.which("gnuplot") is not None
     if not found:
         print("no plots: gnuplot is not installed", file=sys.stderr)
     return found
 
 
-def run_gnuplot(commands):
+def draw_file(path, commands):
+    """[path], which these commands write; [] without gnuplot."""
+    if not has_gnuplot():
+        return []
     subprocess.run(["gnuplot"], input=commands, text=True, check=True)
+    return [path]
 
 
 def draw(figures, folder):
@@ -130,6 +135,6 @@ def draw(figures, folder):
     for name, (heading, panels) in figures.items():
         panels = [panel for panel in panels if panel.values]
         for suffix, terminal in TERMINALS.items() if panels else ():
-            paths.append(pathlib.Path(folder) / f"{name}.{suffix}")
-            run_gnuplot(script(heading, panels, terminal, paths[-1]))
+            path = folder / f"{name}.{suffix}"
+            paths += draw_file(path, script(heading, panels, terminal, path))
     return paths

@@ -4,11 +4,11 @@ import pathlib
 import re
 import sys
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import csv_files  # noqa: E402
 import error_page  # noqa: E402
 import plot  # noqa: E402
 import plot_results  # noqa: E402
-import tables  # noqa: E402
 
 # Columns, and which report has their figures where SCENE.TABLE.csv, which CMake writes, does not say it.
 CASE = "scene triangles=rays.triangles structure options"
@@ -100,7 +100,7 @@ def write_table(folder, name):
             print(f"{path.name}: left out, no run has come to this scene yet", file=sys.stderr)
             continue
         failed = failures(log.read_text(errors="replace"))
-        for row in tables.read(path):
+        for row in csv_files.read(path):
             reports = reports_of(folder, row)
             wrong = fault(row, reports, failed)
             if wrong:
@@ -108,19 +108,16 @@ def write_table(folder, name):
                 row["note"] = wrong[1]
             rows.append({column: figure(reports | {"row": row}, source) for column, source in columns.items()})
     if rows:
-        tables.write(folder / f"{name}.csv", rows)
+        csv_files.write(folder / f"{name}.csv", rows)
     return rows, faults
-
-
-def draw_results(folder):
-    return plot.draw(plot_results.figures(tables.read(folder / "results.csv")), folder) if plot.has_gnuplot() else []
 
 
 def main():
     folder = pathlib.Path(sys.argv[1])
     written = {name: write_table(folder, name) for name in TABLES}
     if written["results"][0]:
-        print(folder / "results.csv", *draw_results(folder), sep="\n")
+        found = plot_results.figures(csv_files.read(folder / "results.csv"))
+        print(folder / "results.csv", *plot.draw(found, folder), sep="\n")
     if written["errors"][0]:
         print(folder / "errors.csv", folder / "pictures.csv", *error_page.write(folder), sep="\n")
     faults = list(dict.fromkeys(fault for _, of_table in written.values() for fault in of_table))

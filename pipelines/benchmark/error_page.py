@@ -2,8 +2,8 @@
 import html
 import re
 
+import csv_files
 import error_plot
-import tables
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -67,7 +67,7 @@ def cell(text):
 
 
 def table(path):
-    rows = tables.read(path)
+    rows = csv_files.read(path)
     if not rows:
         return "<p>Nothing was measured.</p>"
     heads = "".join(f'<th><button type="button">{html.escape(column)}</button></th>' for column in rows[0])

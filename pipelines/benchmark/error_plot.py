@@ -1,9 +1,8 @@
 """Draws errors.{svg,png} and pictures.{svg,png} with gnuplot, for error_page.py."""
 import math
-import pathlib
 
-import tables
-from plot import TERMINALS, has_gnuplot, quoted, run_gnuplot, unique
+import csv_files
+from plot import TERMINALS, draw_file, quoted, unique
 from plot_results import series_of
 
 COLORS = {"watertight": "#004488", "moller-trumbore": "#cc6600", "baldwin-webber": "#228833"}
@@ -212,8 +211,8 @@ def script(figure, terminal, path):
 def draw(errors, pictures, folder):
     """The files' paths, none without gnuplot or measurements."""
     paths = []
-    for figure in (Errors(tables.read(errors)), Pictures(tables.read(pictures))) if has_gnuplot() else ():
+    for figure in (Errors(csv_files.read(errors)), Pictures(csv_files.read(pictures))):
         for suffix, terminal in TERMINALS.items() if figure.rows else ():
-            paths.append(pathlib.Path(folder) / f"{figure.name}.{suffix}")
-            run_gnuplot(script(figure, terminal, paths[-1]))
+            path = folder / f"{figure.name}.{suffix}"
+            paths += draw_file(path, script(figure, terminal, path))
     return paths

@@ -4,8 +4,8 @@ import pathlib
 import re
 import sys
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
-import tables  # noqa: E402
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import csv_files  # noqa: E402
 
 
 def row(load, scene, atlas, kernel, size):
@@ -31,7 +31,7 @@ def row(load, scene, atlas, kernel, size):
 
 def collect(out):
     """The rows; what is not there is told."""
-    for case in tables.read(out / "cases.csv"):
+    for case in csv_files.read(out / "cases.csv"):
         try:
             yield row(lambda name: json.loads((out / f"{name}.json").read_text()), **case)
         except FileNotFoundError as error:
@@ -41,4 +41,4 @@ def collect(out):
 if __name__ == "__main__":
     folder = pathlib.Path(sys.argv[1])
     rows = list(collect(folder)) or sys.exit("nothing was measured")
-    tables.write(folder / "thesis.csv", rows)
+    csv_files.write(folder / "thesis.csv", rows)

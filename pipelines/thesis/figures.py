@@ -6,9 +6,9 @@ import re
 import shutil
 import sys
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parents[1]))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import csv_files  # noqa: E402
 import plot  # noqa: E402
-import tables  # noqa: E402
 
 SPARSE = "sparse"
 FIGURES = {256: "Figure 5", 512: "Figure 6", 1024: "Figure 7"}
@@ -27,7 +27,7 @@ class Measured:
     """The rows, by what they are of."""
 
     def __init__(self, path):
-        self.rows = tables.read(path)
+        self.rows = csv_files.read(path)
         self.by_case = {tuple(row[key] for key in ("scene", "structure", "grid", "kernel", "size")): row for row in self.rows}
         self.scenes = self.values("scene")
         self.kernels = [kernel for kernel in KERNELS if kernel in self.values("kernel")]
@@ -111,8 +111,7 @@ def contact_sheet(measured, pictures, path):
             f"set title {plot.quoted(f'{scene}: {triangles:,} triangles')} offset 0,-0.6",
             f"plot {plot.quoted(str(pictures / f'{scene}-picture.png'))} binary filetype=png with rgbimage",
         ]  # fmt: skip
-    plot.run_gnuplot("\n".join([*lines, "unset multiplot", ""]))
-    return [path]
+    return plot.draw_file(path, "\n".join([*lines, "unset multiplot", ""]))
 
 
 def table(heads, rows):
@@ -190,7 +189,7 @@ def findings_table(measured):
     return table(heads, [line for line in lines if line[-1]])
 
 
-def text_tables(measured):
+def tables(measured):
     parts = [f"Measured on {measured.device}.", findings_table(measured), scene_table(measured)]
     for kernel in measured.kernels:
         parts += [f"{kernel}: {KERNELS[kernel]}.", frames_table(measured, kernel)]
@@ -201,9 +200,7 @@ def write(out):
     """tables.md, and the pictures where there is gnuplot; their paths."""
     out = pathlib.Path(out)
     measured = Measured(out / "thesis.csv")
-    (out / "tables.md").write_text(text_tables(measured), encoding="utf-8")
-    if not plot.has_gnuplot():
-        return [out / "tables.md"]
+    (out / "tables.md").write_text(tables(measured), encoding="utf-8")
     return [out / "tables.md", *contact_sheet(measured, out, out / "scenes.png"),
             *plot.draw(all_figures(measured), out)]  # fmt: skip
 
