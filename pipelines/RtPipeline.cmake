@@ -1,6 +1,7 @@
 # Chains of the tools as CMake targets. Each function makes a target NAME and files NAME.* in the current binary folder;
 # NAME.json holds the tool's figures. A step runs where one of the files that it reads, its options or its tool changed in
-# content; a step whose output came out the same runs none of those after it.
+# content; a step whose output came out the same runs none of those after it. Hits, which do not say what they were made of,
+# are made where such a file is newer, and comparisons whenever CTest runs.
 #
 #   rt_add_scene(NAME MODELS file... [ARGS ...])                                                   NAME.rtmesh
 #   rt_add_atlas(NAME SCENE scene [STRUCTURE s] [QUALITY q] [RESOLUTION r] [ARGS ...])         NAME.rtatlas
@@ -12,7 +13,7 @@
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
 #                                           the same; the target update_goldens takes the renders for the goldens
 #
-# Functions of one pipeline are called in one folder. RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders
+# Functions of one pipeline are called in one folder, in which, or above which, this file is included. RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders
 # frames side by side, one on each device at a time; what has no frames is the first device's.
 cmake_minimum_required(VERSION 3.25)
 
@@ -39,16 +40,22 @@ endforeach()
 enable_testing()
 
 # Import and grid use all cores: one at a time keeps memory low and measured times true. So does a device.
-set_property(GLOBAL APPEND PROPERTY JOB_POOLS rt_tools=1)
+get_property(_rt_pools GLOBAL PROPERTY JOB_POOLS) # has them if another folder includes this file too
 string(REPLACE "," ";" RT_DEVICES "${RT_DEVICES}")
 list(LENGTH RT_DEVICES _rt_device_count)
 math(EXPR _rt_last_device "${_rt_device_count} - 1")
+list(APPEND _rt_pools rt_tools=1)
 foreach(device RANGE ${_rt_last_device})
-    set_property(GLOBAL APPEND PROPERTY JOB_POOLS rt_device_${device}=1)
+    list(APPEND _rt_pools rt_device_${device}=1)
 endforeach()
+list(REMOVE_DUPLICATES _rt_pools)
+set_property(GLOBAL PROPERTY JOB_POOLS ${_rt_pools})
 
 # _rt_parse(ONE_VALUE LISTS REQUIRED ...): ARG_<key> for each key. ARGS is always one of the lists.
 function(_rt_parse single lists required)
+    if(NOT RT_IMPORT) # functions are known everywhere, the tools only there
+        message(FATAL_ERROR "RtPipeline.cmake is included neither in this folder nor above it")
+    endif()
     cmake_parse_arguments(PARSE_ARGV 3 ARG "" "${single}" "${lists};ARGS")
     list(REMOVE_ITEM ARG_KEYWORDS_MISSING_VALUES ${lists} ARGS) # lists may be empty
     if(ARG_UNPARSED_ARGUMENTS OR ARG_KEYWORDS_MISSING_VALUES)
@@ -68,9 +75,6 @@ endfunction()
 function(_rt_step name tool pool)
     cmake_parse_arguments(PARSE_ARGV 3 STEP "" "" "OUTPUTS;INPUTS;ARGS")
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
-    if(NOT "--rays" IN_LIST STEP_ARGS) # hits do not say what they were made of
-        list(APPEND STEP_ARGS --if-changed)
-    endif()
     add_custom_command(
         OUTPUT ${STEP_OUTPUTS} ${base}.json
         COMMAND ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d
@@ -87,7 +91,7 @@ function(rt_add_scene name)
         list(APPEND models ${model})
     endforeach()
     set(mesh ${CMAKE_CURRENT_BINARY_DIR}/${name}.rtmesh)
-    _rt_step(${name} ${RT_IMPORT} rt_tools OUTPUTS ${mesh} INPUTS ${models} ARGS ${models} -o ${mesh} ${ARG_ARGS})
+    _rt_step(${name} ${RT_IMPORT} rt_tools OUTPUTS ${mesh} INPUTS ${models} ARGS ${models} -o ${mesh} --if-changed ${ARG_ARGS})
     add_custom_target(${name} ALL DEPENDS ${mesh})
 endfunction()
 
@@ -96,12 +100,12 @@ function(rt_add_atlas name)
     set(mesh ${CMAKE_CURRENT_BINARY_DIR}/${ARG_SCENE}.rtmesh)
     set(atlas ${CMAKE_CURRENT_BINARY_DIR}/${name}.rtatlas)
     foreach(option IN ITEMS STRUCTURE QUALITY RESOLUTION)
-        if(ARG_${option})
+        if(NOT ARG_${option} STREQUAL "")
             string(TOLOWER ${option} flag)
             list(PREPEND ARG_ARGS --${flag} ${ARG_${option}})
         endif()
     endforeach()
-    _rt_step(${name} ${RT_GRID} rt_tools OUTPUTS ${atlas} INPUTS ${mesh} ARGS ${mesh} -o ${atlas} ${ARG_ARGS})
+    _rt_step(${name} ${RT_GRID} rt_tools OUTPUTS ${atlas} INPUTS ${mesh} ARGS ${mesh} -o ${atlas} --if-changed ${ARG_ARGS})
     add_custom_target(${name} ALL DEPENDS ${atlas})
 endfunction()
 
@@ -109,15 +113,15 @@ endfunction()
 # that came out the same keeps its time stamp; times are in the .json.
 function(rt_add_render name)
     _rt_parse("ATLAS;SIZE;CAMERA;FRAMES;SAMPLES" "PASSES" "ATLAS;SIZE" ${ARGN})
-    set(options --size ${ARG_SIZE} --stats --reproducible ${ARG_ARGS})
+    set(options --size ${ARG_SIZE} --stats --reproducible --if-changed ${ARG_ARGS})
     set(files "")
-    if(ARG_CAMERA)
+    if(NOT ARG_CAMERA STREQUAL "")
         list(APPEND options --camera ${ARG_CAMERA})
     endif()
-    if(ARG_SAMPLES)
+    if(NOT ARG_SAMPLES STREQUAL "")
         list(APPEND options --spp ${ARG_SAMPLES})
     endif()
-    if(ARG_PASSES)
+    if(NOT ARG_PASSES STREQUAL "")
         list(JOIN ARG_PASSES "," passes)
         list(APPEND options --aov ${passes})
     endif()
@@ -126,6 +130,9 @@ function(rt_add_render name)
     elseif(ARG_FRAMES MATCHES "^([0-9]+)(-([0-9]+))?$")
         set(first ${CMAKE_MATCH_1})
         set(last ${CMAKE_MATCH_${CMAKE_MATCH_COUNT}}) # the same if there is but one
+        if(last LESS first)
+            message(FATAL_ERROR "FRAMES ${ARG_FRAMES}: the last frame is before the first")
+        endif()
         foreach(frame RANGE ${first} ${last})
             math(EXPR device "(${frame} - ${first}) % ${_rt_device_count}")
             string(REGEX REPLACE ".*(....)$" "\\1" padded 000${frame})
@@ -166,7 +173,7 @@ endfunction()
 function(rt_add_comparison name)
     _rt_parse("A;B;MAX_RMSE" "" "A;B" ${ARGN})
     _rt_files_of(b ${ARG_B})
-    _rt_compare(${name} ${ARG_A} ${b})
+    _rt_compare(${name} ${ARG_A} "${b}" "${ARG_MAX_RMSE}" ${ARG_ARGS})
 endfunction()
 
 # Goldens have the names of the pictures.
@@ -175,7 +182,7 @@ function(rt_add_regression name)
     cmake_path(ABSOLUTE_PATH ARG_GOLDENS BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
     _rt_files_of(files ${ARG_RENDER})
     list(TRANSFORM files REPLACE "^.*/" "${ARG_GOLDENS}/" OUTPUT_VARIABLE goldens)
-    _rt_compare(${name} ${ARG_RENDER} ${goldens})
+    _rt_compare(${name} ${ARG_RENDER} "${goldens}" "${ARG_MAX_RMSE}" ${ARG_ARGS})
     add_custom_target(update_${name}
         COMMAND ${CMAKE_COMMAND} -E make_directory ${ARG_GOLDENS}
         COMMAND ${CMAKE_COMMAND} -E copy_if_different ${files} ${ARG_GOLDENS}
@@ -186,22 +193,23 @@ function(rt_add_regression name)
     add_dependencies(update_goldens update_${name})
 endfunction()
 
-# _rt_compare(NAME RENDER reference...): a test for each picture. ARG_MAX_RMSE and ARG_ARGS are the caller's.
-function(_rt_compare name render)
+# A test for each picture, with further options of rt-compare.
+function(_rt_compare name render references max_rmse)
     _rt_files_of(files ${render})
     list(LENGTH files count)
-    list(LENGTH ARGN wanted)
+    list(LENGTH references wanted)
     if(NOT count EQUAL wanted)
         message(FATAL_ERROR "${name}: ${render} has ${count} pictures, ${wanted} are to be compared with")
     endif()
-    if(ARG_MAX_RMSE)
-        list(PREPEND ARG_ARGS --max-rmse ${ARG_MAX_RMSE})
+    set(options ${ARGN})
+    if(NOT max_rmse STREQUAL "")
+        list(PREPEND options --max-rmse ${max_rmse})
     endif()
-    foreach(picture reference IN ZIP_LISTS files ARGN)
+    foreach(picture reference IN ZIP_LISTS files references)
         cmake_path(GET picture STEM LAST_ONLY stem)
         string(REPLACE "${render}" "${name}" test ${stem}) # NAME, or NAME.0001
         set(base ${CMAKE_CURRENT_BINARY_DIR}/${test})
-        add_test(NAME ${test} COMMAND ${RT_COMPARE} ${picture} ${reference} --json ${base}.json --html ${base}.html ${ARG_ARGS})
+        add_test(NAME ${test} COMMAND ${RT_COMPARE} ${picture} ${reference} --json ${base}.json --html ${base}.html ${options})
     endforeach()
 endfunction()
 

@@ -4,7 +4,8 @@
 #   hall.rtmesh: RT_MODELS = a/b.obj c.ply                or of these
 #   hall.rtatlas: hall.rtmesh                             an atlas of a mesh
 #   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
-#   view.passed: view.exr goldens/view.exr                two pictures compared; is not there as long as they differ
+#   view.passed: view.exr goldens/view.exr                two pictures compared; is not there as long as they differ, and made
+#                                                         each time, so that what is made of it is too
 #   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
 #
 # FILE.json holds the figures of each step. Every step is called each time, and does nothing where its inputs, options and tool

@@ -1,12 +1,14 @@
 """Makes the tables of a folder that run.sh measured into, draws them and lists what failed: collect.py FOLDER"""
-import csv
 import json
 import pathlib
 import re
 import sys
 
-import error_page
-import plot
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import csv_files  # noqa: E402
+import error_page  # noqa: E402
+import plot  # noqa: E402
+import plot_results  # noqa: E402
 
 # Columns, and which report has their figures where SCENE.TABLE.csv, which CMake writes, does not say it.
 CASE = "scene triangles=rays.triangles structure options"
@@ -85,7 +87,7 @@ def figure(reports, source):
         value = value.get(key, "")
         if value in ("", None):  # JSON has null where nothing could be measured
             return ""
-    return f"{value:.5g}" if isinstance(value, float) else value
+    return value
 
 
 def write_table(folder, name):
@@ -93,20 +95,20 @@ def write_table(folder, name):
     columns = dict(word.split("=") if "=" in word else (word, f"row.{word}") for word in TABLES[name].split())
     rows, faults = [], []
     for path in sorted(folder.glob(f"*.{name}.csv")):
-        failed = failures((folder / f"{path.name.split('.')[0]}.log").read_text(errors="replace"))
-        with open(path, newline="", encoding="utf-8") as file:
-            for row in csv.DictReader(file):
-                reports = reports_of(folder, row)
-                wrong = fault(row, reports, failed)
-                if wrong:
-                    faults.append(": ".join(wrong))
-                    row["note"] = wrong[1]
-                rows.append({column: figure(reports | {"row": row}, source) for column, source in columns.items()})
+        log = path.with_suffix("").with_suffix(".log")
+        if not log.exists():
+            print(f"{path.name}: left out, no run has come to this scene yet", file=sys.stderr)
+            continue
+        failed = failures(log.read_text(errors="replace"))
+        for row in csv_files.read(path):
+            reports = reports_of(folder, row)
+            wrong = fault(row, reports, failed)
+            if wrong:
+                faults.append(": ".join(wrong))
+                row["note"] = wrong[1]
+            rows.append({column: figure(reports | {"row": row}, source) for column, source in columns.items()})
     if rows:
-        with open(folder / f"{name}.csv", "w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, columns, lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(rows)
+        csv_files.write(folder / f"{name}.csv", rows)
     return rows, faults
 
 
@@ -114,7 +116,8 @@ def main():
     folder = pathlib.Path(sys.argv[1])
     written = {name: write_table(folder, name) for name in TABLES}
     if written["results"][0]:
-        print(folder / "results.csv", *plot.draw(folder / "results.csv", folder), sep="\n")
+        found = plot_results.figures(csv_files.read(folder / "results.csv"))
+        print(folder / "results.csv", *plot.draw(found, folder), sep="\n")
     if written["errors"][0]:
         print(folder / "errors.csv", folder / "pictures.csv", *error_page.write(folder), sep="\n")
     faults = list(dict.fromkeys(fault for _, of_table in written.values() for fault in of_table))

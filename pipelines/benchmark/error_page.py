@@ -1,9 +1,8 @@
-"""Draws errors.csv and pictures.csv of a folder, and writes errors.html, one page of it all: error_page.py FOLDER"""
+"""Draws errors.csv and pictures.csv of a folder, and writes errors.html, one page of it all."""
 import html
-import pathlib
 import re
-import sys
 
+import csv_files
 import error_plot
 
 PAGE = """<!DOCTYPE html>
@@ -68,7 +67,7 @@ def cell(text):
 
 
 def table(path):
-    rows = error_plot.read_csv(path)
+    rows = csv_files.read(path)
     if not rows:
         return "<p>Nothing was measured.</p>"
     heads = "".join(f'<th><button type="button">{html.escape(column)}</button></th>' for column in rows[0])
@@ -88,14 +87,9 @@ def inline_svg(path, drawn):
 
 def write(folder):
     """Draws where there is gnuplot; the paths of the page and of the plots."""
-    folder = pathlib.Path(folder)
     errors, pictures, page = folder / "errors.csv", folder / "pictures.csv", folder / "errors.html"
     drawn = error_plot.draw(errors, pictures, folder)
     parts = ["<h2>Ray queries</h2>", inline_svg(folder / "errors.svg", drawn), table(errors)]
     parts += ["<h2>Pictures</h2>", inline_svg(folder / "pictures.svg", drawn), table(pictures)]
     page.write_text(PAGE.replace("<!-- contents -->", "\n".join(parts)), encoding="utf-8")
     return [page, *drawn]
-
-
-if __name__ == "__main__":
-    print(*write(sys.argv[1]), sep="\n")

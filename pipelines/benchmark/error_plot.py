@@ -1,12 +1,9 @@
 """Draws errors.{svg,png} and pictures.{svg,png} with gnuplot, for error_page.py."""
-import csv
 import math
-import pathlib
-import shutil
-import subprocess
-import sys
 
-from plot import TERMINALS, quoted, series_of, unique
+import csv_files
+from plot import TERMINALS, draw_file, quoted, unique
+from plot_results import series_of
 
 COLORS = {"watertight": "#004488", "moller-trumbore": "#cc6600", "baldwin-webber": "#228833"}
 SHAPES = ((7, 6), (5, 4), (9, 8), (11, 10), (13, 12), (15, 14))  # filled and hollow: circle, square, triangle, ...
@@ -211,20 +208,11 @@ def script(figure, terminal, path):
     return "\n".join([*lines, "unset multiplot", ""])
 
 
-def read_csv(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
 def draw(errors, pictures, folder):
     """The files' paths, none without gnuplot or measurements."""
-    if shutil.which("gnuplot") is None:
-        print("no plots: gnuplot is not installed; later: error_page.py FOLDER", file=sys.stderr)
-        return []
     paths = []
-    for figure in (Errors(read_csv(errors)), Pictures(read_csv(pictures))):
+    for figure in (Errors(csv_files.read(errors)), Pictures(csv_files.read(pictures))):
         for suffix, terminal in TERMINALS.items() if figure.rows else ():
-            path = pathlib.Path(folder) / f"{figure.name}.{suffix}"
-            subprocess.run(["gnuplot"], input=script(figure, terminal, path), text=True, check=True)
-            paths.append(path)
+            path = folder / f"{figure.name}.{suffix}"
+            paths += draw_file(path, script(figure, terminal, path))
     return paths

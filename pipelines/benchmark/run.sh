@@ -4,7 +4,7 @@
 # With RT_TOOLS_DIR, a folder of built programs, nothing is installed or built. Variables: CMakeLists.txt
 set -eu
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
-repository=$(dirname -- "$(dirname -- "$here")")
+repository=${here%/*/*}
 out=$repository/build/benchmark
 errors=OFF
 if [ "${1-}" = error ]; then
@@ -17,20 +17,14 @@ case ${1--} in
 *) out=$1; shift ;;
 esac
 
-if [ -z "${RT_TOOLS_DIR-}" ]; then
-    build=$repository/build/release
-    RT_TOOLS_DIR=$build/bin
-    sh "$repository/pipelines/install_packages.sh"
-    [ -f "$build/build.ninja" ] || (cd -- "$repository" && cmake --preset release)
-    cmake --build "$build" --target rt-import rt-grid rt-trace rt-compare rt_make_rays rt_check_hits rt_measure_hits rt_box_filter
-fi
+[ -n "${RT_TOOLS_DIR-}" ] || sh "$repository/pipelines/build_tools.sh" rt_make_rays rt_check_hits rt_measure_hits rt_box_filter
 mkdir -p -- "$out"
 if grep -s RT_ERRORS: "$out/CMakeCache.txt" | grep -qv "=$errors"; then
     echo "run.sh: $out has results of the other benchmark; name another folder" >&2
     exit 1
 fi
-tools=$(realpath -- "$RT_TOOLS_DIR")
-cmake --fresh -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="$tools" -D RT_ERRORS=$errors "$@"
+cmake --fresh -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="${RT_TOOLS_DIR:-$repository/build/release/bin}" \
+    -D RT_ERRORS=$errors "$@"
 
 cd -- "$out"
 # One step at a time, since they are measured; the others go on where one fails: collect.py lists what did. What is large

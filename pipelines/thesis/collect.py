@@ -1,13 +1,11 @@
 """Puts what the steps reported into thesis.csv, a row for each case of cases.csv: collect.py OUT"""
-import csv
 import json
 import pathlib
 import re
 import sys
 
-
-def rounded(value):
-    return f"{value:.5g}" if isinstance(value, float) else value
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import csv_files  # noqa: E402
 
 
 def row(load, scene, atlas, kernel, size):
@@ -21,7 +19,7 @@ def row(load, scene, atlas, kernel, size):
         rmse, differing = layers["color"]["rmse"], layers["id"]["over"][0]["fraction"]
     except FileNotFoundError:
         rmse = differing = ""
-    found = {
+    return {
         "scene": scene, "triangles": seen["triangles"], "structure": structure, "built": seen["structure"],
         "grid": grid, "kernel": kernel, "size": size, "ms": traced["gpuMs"], "min_ms": traced.get("minMs", ""),
         "passes": traced.get("repeat", 1), "rays": traced["raysTotal"], "steps_per_ray": traced["stepsPerRay"],
@@ -29,12 +27,11 @@ def row(load, scene, atlas, kernel, size):
         "empty": 1.0 - seen["occupiedVolume"], "structure_bytes": built["structureBytes"], "rmse": rmse,
         "ids_differing": differing, "device": traced["device"],
     }  # fmt: skip
-    return {key: rounded(value) for key, value in found.items()}
 
 
 def collect(out):
     """The rows; what is not there is told."""
-    for case in csv.DictReader((out / "cases.csv").read_text().splitlines()):
+    for case in csv_files.read(out / "cases.csv"):
         try:
             yield row(lambda name: json.loads((out / f"{name}.json").read_text()), **case)
         except FileNotFoundError as error:
@@ -44,7 +41,4 @@ def collect(out):
 if __name__ == "__main__":
     folder = pathlib.Path(sys.argv[1])
     rows = list(collect(folder)) or sys.exit("nothing was measured")
-    with open(folder / "thesis.csv", "w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, rows[0], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+    csv_files.write(folder / "thesis.csv", rows)

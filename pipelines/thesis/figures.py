@@ -1,14 +1,13 @@
 """Draws what collect.py has put together, the counterparts of the thesis' figures 4 to 8, and writes its tables:
 figures.py OUT [README.md, of which the tables are replaced and beside which the pictures are put]"""
-import csv
 import math
 import pathlib
 import re
 import shutil
-import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "benchmark"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+import csv_files  # noqa: E402
 import plot  # noqa: E402
 
 SPARSE = "sparse"
@@ -28,8 +27,7 @@ class Measured:
     """The rows, by what they are of."""
 
     def __init__(self, path):
-        with open(path, newline="", encoding="utf-8") as file:
-            self.rows = list(csv.DictReader(file))
+        self.rows = csv_files.read(path)
         self.by_case = {tuple(row[key] for key in ("scene", "structure", "grid", "kernel", "size")): row for row in self.rows}
         self.scenes = self.values("scene")
         self.kernels = [kernel for kernel in KERNELS if kernel in self.values("kernel")]
@@ -90,10 +88,8 @@ def sparse(measured):
 
 def all_figures(measured):
     found = {f"times-{kernel}": (f"{kernel}: {KERNELS[kernel]}; {measured.device}", times(measured, kernel)) for kernel in measured.kernels}
-    found |= {"gain": (f"What empty space gains, {measured.device}", gains(measured))}
-    found |= {"sparse": (f"Sparse scene, {measured.device}", sparse(measured))}
-    shown = {name: (heading, [panel for panel in panels if panel.values]) for name, (heading, panels) in found.items()}
-    return {name: figure for name, figure in shown.items() if figure[1]}
+    found["gain"] = (f"What empty space gains, {measured.device}", gains(measured))
+    return found | {"sparse": (f"Sparse scene, {measured.device}", sparse(measured))}
 
 
 def contact_sheet(measured, pictures, path):
@@ -115,8 +111,7 @@ def contact_sheet(measured, pictures, path):
             f"set title {plot.quoted(f'{scene}: {triangles:,} triangles')} offset 0,-0.6",
             f"plot {plot.quoted(str(pictures / f'{scene}-picture.png'))} binary filetype=png with rgbimage",
         ]  # fmt: skip
-    subprocess.run(["gnuplot"], input="\n".join([*lines, "unset multiplot", ""]), text=True, check=True)
-    return [path]
+    return plot.draw_file(path, "\n".join([*lines, "unset multiplot", ""]))
 
 
 def table(heads, rows):
@@ -206,11 +201,8 @@ def write(out):
     out = pathlib.Path(out)
     measured = Measured(out / "thesis.csv")
     (out / "tables.md").write_text(tables(measured), encoding="utf-8")
-    if shutil.which("gnuplot") is None:
-        print("no plots: gnuplot is not installed; later: figures.py OUT", file=sys.stderr)
-        return [out / "tables.md"]
     return [out / "tables.md", *contact_sheet(measured, out, out / "scenes.png"),
-            *plot.draw_figures(all_figures(measured), out)]  # fmt: skip
+            *plot.draw(all_figures(measured), out)]  # fmt: skip
 
 
 def update_page(out, page):

@@ -7,14 +7,9 @@ here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 repository=${here%/*/*}
 out=${1-$repository/build/thesis}
 [ $# -eq 0 ] || shift
-tools=${RT_TOOLS_DIR:-$repository/build/release/bin}
 
-if [ -z "${RT_TOOLS_DIR-}" ]; then
-    sh "$repository/pipelines/install_packages.sh"
-    [ -f "$repository/build/release/build.ninja" ] || (cd -- "$repository" && cmake --preset release)
-    cmake --build "$repository/build/release" --target rt-import rt-grid rt-trace rt-compare
-fi
-cmake -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="$tools" "$@"
+[ -n "${RT_TOOLS_DIR-}" ] || sh "$repository/pipelines/build_tools.sh"
+cmake -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="${RT_TOOLS_DIR:-$repository/build/release/bin}" "$@"
 status=0 # whatever fails, the rest is measured and written
 cmake --build "$out" -j 1 -- -k 0 || status=1 # one step at a time: others would slow it down
 ctest --test-dir "$out" --output-on-failure --no-tests=error -j "$(nproc)" || status=1

@@ -1,6 +1,6 @@
 // Compares the hits that rt-trace found with those that rt_make_rays wrote; exit code 1 if they differ:
-//     rt_check_hits expected.hits got.hits --rays x.rays --mesh scene.rtmesh [--any-hit] [--allow-per-million
-//     N]
+//     rt_check_hits expected.hits got.hits --rays x.rays --mesh scene.rtmesh
+//                   [--any-hit] [--allow-per-million N]
 #include "common/binary_io.h"
 #include "common/command_line.h"
 #include "common/error.h"

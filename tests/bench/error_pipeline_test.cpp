@@ -134,8 +134,8 @@ TEST_F(ErrorPipeline, DensitiesAreVariantsAndFailuresAreNoted) {
 // What Python says of an expression in which `error_plot` is known.
 std::string evaluate(const std::string& expression) {
     return runCommand({PYTHON_PATH, "-B", "-c",
-                       "import sys; sys.path.insert(0, '" RT_SOURCE_DIR
-                       "/pipelines/benchmark'); import error_plot; print(" +
+                       "import sys; sys.path += ['" RT_SOURCE_DIR "/pipelines', '" RT_SOURCE_DIR
+                       "/pipelines/benchmark']; import error_plot; print(" +
                            expression + ")"})
         .out;
 }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <set>
 
 namespace rt::test {
 namespace {
@@ -89,6 +90,21 @@ TEST_F(Installed, TheTurntableIsPlannedMadeAndConfigured) {
     expectSuccess({CMAKE_PATH, "-G", "Ninja", "-S", turntable, "-B", folder_.file("build"),
                    "-DCMAKE_PREFIX_PATH=" + prefix_});
     expectSuccess({CMAKE_PATH, "--build", folder_.file("build"), "--target", "gem_atlas"});
+}
+
+TEST_F(Installed, ThePipelinesArePartsThatTheirPageSaysAreInstalled) {
+    const std::string folder = prefix_ + "/share/rt-tools/", page = readText(folder + "README.md");
+    const std::string installed = page.substr(0, page.find("With the sources only"));
+    ASSERT_NE(installed, page);
+    const std::regex part("\n\\| `([^`]+)`");
+    std::set<std::string> named = {"README.md", "planner"};
+    for (std::sregex_iterator at(installed.begin(), installed.end(), part); at != std::sregex_iterator();
+         ++at)
+        named.insert(std::regex_replace((*at)[1].str(), std::regex("/$"), ""));
+    std::set<std::string> there;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        there.insert(entry.path().filename());
+    EXPECT_EQ(named, there);
 }
 
 TEST_F(Installed, TheFormatsLibraryIsFoundByCMake) {

@@ -138,8 +138,42 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
     expectRefused("rt_add_atlas(uniform STRUCTURE uniform)\n", "SCENE is missing");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8 FRAMES many)\n",
                   "not a range");
+    expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8 FRAMES 3-1)\n",
+                  "FRAMES 3-1: the last frame is before the first");
     expectRefused("rt_add_query(q ATLAS x)\n", "RAYS is missing");
     expectRefused("rt_add_comparison(c A nothing B scene)\n", "scene is no rt_add_render");
+}
+
+TEST_F(CMakePipeline, ValuesThatReadAsFalseReachTheTools) {
+    writeSteps("rt_add_atlas(x SCENE scene RESOLUTION 0)\n"
+               "rt_add_render(r ATLAS x SIZE 8x8 SAMPLES 0 CAMERA no PASSES N)\n"
+               "rt_add_comparison(c A r B r MAX_RMSE 0)\n");
+    ASSERT_EQ(configure().exitCode, 0);
+    const std::string steps = readText(folder_.file("build/build.ninja"));
+    for (const char* option : {" --resolution 0 ", " --spp 0 ", " --camera no ", " --aov N "})
+        EXPECT_THAT(steps, HasSubstr(option));
+    EXPECT_THAT(readText(folder_.file("build/CTestTestfile.cmake")), HasSubstr("\"--max-rmse\" \"0\""));
+}
+
+TEST_F(CMakePipeline, TwoFoldersOfAProjectMayHavePipelinesThatIncludeIt) {
+    for (const char* name : {"one", "two", "without"}) {
+        std::filesystem::create_directory(folder_.file(name));
+        const bool includes = name != std::string("without");
+        write((name + std::string("/CMakeLists.txt")).c_str(),
+              std::string(includes ? "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n" : "") +
+                  "rt_add_scene(" + name + " MODELS ../model.obj)\n");
+    }
+    const std::string project = "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
+                                "add_subdirectory(one)\nadd_subdirectory(two)\n";
+    write("CMakeLists.txt", project);
+    ASSERT_EQ(configure().exitCode, 0);
+    const CommandResult built = build();
+    EXPECT_EQ(built.exitCode, 0) << built.out << built.err;
+    EXPECT_TRUE(std::filesystem::exists(folder_.file("build/two/two.rtmesh")));
+    write("CMakeLists.txt", project + "add_subdirectory(without)\n");
+    const CommandResult refused = configure();
+    EXPECT_NE(refused.exitCode, 0);
+    EXPECT_THAT(refused.err, HasSubstr("RtPipeline.cmake is included neither in this folder"));
 }
 
 TEST_F(CMakePipeline, MissingToolsAreNamedAndFoundWhereTheyAreNext) {
@@ -210,7 +244,7 @@ protected:
         return runCommand({"/usr/bin/make", "-C", folder_.file("."), "turn.0008.exr", flags});
     }
     CommandResult make(const char* target) {
-        return runCommand({"/usr/bin/make", "-j2", "-C", folder_.file("."), target});
+        return runCommand({"/usr/bin/make", "-k", "-j2", "-C", folder_.file("."), target});
     }
 };
 

@@ -78,6 +78,22 @@ protected:
         EXPECT_GT(std::stod(rows["cloud 32"].at("rmse")), 5e-3);
     }
 
+    // What becomes of the pictures' sizes on this device where rt-trace lists these.
+    std::string sizesOn(const std::string& device, const std::string& listed) {
+        const std::string trace = folder_.file("rt-trace");
+        std::ofstream(trace) << "#!/bin/sh\necho '{\"devices\": [" + listed + "]}'\n";
+        std::filesystem::permissions(trace, std::filesystem::perms::owner_all);
+        std::filesystem::remove_all(out_);
+        const CommandResult result =
+            runCommand({CMAKE_PATH, "-G", "Ninja", "-S", RT_SOURCE_DIR "/pipelines/thesis", "-B", out_, "-LA",
+                        "-DRT_TOOLS_DIR=" RT_BIN_DIR, "-DRT_TRACE=" + trace, "-DRT_DEVICES=" + device,
+                        "-DRT_THESIS_SCENES="});
+        EXPECT_EQ(result.exitCode, 0) << result.err;
+        const std::string key = "RT_THESIS_SIZES:STRING=";
+        const std::size_t start = result.out.find(key) + key.size();
+        return result.out.substr(start, result.out.find('\n', start) - start);
+    }
+
     TemporaryFolder folder_;
     const std::string out_ = folder_.file("out");
 };
@@ -124,6 +140,18 @@ TEST_F(ThesisPipeline, MeasuresTheSparseSceneAndFindsWhatTheThesisFound) {
     EXPECT_THAT(readText(out_ + "/sparse.svg"), HasSubstr("steps per ray"));
 }
 
+TEST_F(ThesisPipeline, FullSizesAreForAGpuThatCanBeUsed) {
+    const std::string software = R"({"index": 1, "software": true, "cudaDevice": null})";
+    const std::string gpu = R"({"index": 0, "software": false, "cudaDevice": 3}, )" + software;
+    const std::string broken =
+        R"({"index": 0, "software": false, "problem": "0  hardware  of old"}, )" + software;
+    for (const char* device : {"auto", "0", "cuda:3", "cuda:3,1"})
+        EXPECT_EQ(sizesOn(device, gpu), "256;512;1024") << device;
+    for (const char* device : {"software", "1"}) EXPECT_EQ(sizesOn(device, gpu), "64") << device;
+    EXPECT_EQ(sizesOn("auto", broken), "64");
+    EXPECT_EQ(sizesOn("auto", ""), "64");
+}
+
 TEST_F(ThesisPipeline, MeshesThatAreThereAreTakenAsTheyAre) {
     std::filesystem::create_directories(out_);
     std::ofstream(out_ + "/board.rtmesh") << "no mesh";
@@ -137,9 +165,11 @@ TEST_F(ThesisPipeline, WithoutModelsAndWithUnknownScenesNothingIsMeasured) {
     const CommandResult skipped = measure("board;sponza");
     EXPECT_EQ(skipped.exitCode, 1);
     EXPECT_THAT(skipped.err, HasSubstr("sponza: skipped, "));
-    const CommandResult unknown = measure("sparse;bord");
-    EXPECT_EQ(unknown.exitCode, 1);
-    EXPECT_THAT(unknown.err, HasSubstr("no such scene: bord"));
+    for (const std::string scene : {"bord", "GRIDS"}) { // the second is a keyword of the scenes' options
+        const CommandResult unknown = measure("sparse;" + scene);
+        EXPECT_EQ(unknown.exitCode, 1);
+        EXPECT_THAT(unknown.err, HasSubstr("no such scene: " + scene));
+    }
 }
 
 } // namespace

@@ -1,7 +1,6 @@
-"""Draws results.csv as bars, rays.{svg,png} and build.{svg,png}, with gnuplot: plot.py RESULTS.csv FOLDER"""
-import csv
+"""Bars of several series over scenes, drawn with gnuplot."""
+import functools
 import math
-import pathlib
 import shutil
 import subprocess
 import sys
@@ -9,12 +8,6 @@ import sys
 PEER = "Embree (CPU)"
 PEER_COLOR = "#9a9a9a"
 COLORS = ("#4477aa", "#66ccee", "#228833", "#ccbb44", "#ee6677", "#aa3377", "#bb5566", "#004488", "#997700")
-SETS = {
-    "primary": "Primary rays",
-    "shadow": "Shadow rays (any hit)",
-    "diffuse": "Diffuse rays",
-    "random": "Diffuse rays in random order",
-}
 TERMINALS = {"svg": "svg background '#ffffff'", "png": "pngcairo"}
 
 
@@ -24,10 +17,6 @@ def quoted(text):
 
 def unique(values):
     return list(dict.fromkeys(values))
-
-
-def series_of(row):
-    return " ".join(filter(None, (row["structure"], row["options"].replace("--quality ", ""))))
 
 
 def value_range(panels):
@@ -123,55 +112,29 @@ def script(heading, panels, terminal, path):
     return "\n".join([*lines, "unset multiplot", ""])
 
 
-def figures(rows):
-    """{file name: (heading, panels)} of what was measured."""
-    measured = [row for row in rows if row["mrays_per_s"]]
-    built = [row for row in rows if row["build_mtris_per_s"]]
-    threads = " or ".join(unique(row["threads"] for row in rows))
-    devices = " and ".join(unique(row["device"] for row in measured))
-    rays = []
-    for name, title in SETS.items():
-        here = [row for row in measured if row["set"] == name]
-        values = {(row["scene"], PEER): float(row["embree_mrays_per_s"]) for row in here}
-        values |= {(row["scene"], series_of(row)): float(row["mrays_per_s"]) for row in here}
-        rays.append(Panel(title, "Mrays/s", values))
-    speed = {(row["scene"], PEER): float(row["embree_build_mtris_per_s"]) for row in built}
-    speed |= {(row["scene"], series_of(row)): float(row["build_mtris_per_s"]) for row in built}
-    size = {(row["scene"], series_of(row)): float(row["bytes_per_triangle"]) for row in built}
-    build = [
-        Panel("Build", "Mtriangles/s", speed),
-        Panel("Size of the atlas, triangles included", "bytes per triangle", size),
-    ]
-    found = {
-        "rays": (f"Ray queries on {devices}, Embree on {threads} threads", rays),
-        "build": (f"Builds on {threads} threads", build),
-    }
-    shown = {name: (heading, [p for p in panels if p.values]) for name, (heading, panels) in found.items()}
-    return {name: figure for name, figure in shown.items() if figure[1]}
+@functools.cache
+def has_gnuplot():
+    """False, which is said once, where there is none."""
+    found = shutil.which("gnuplot") is not None
+    if not found:
+        print("no plots: gnuplot is not installed", file=sys.stderr)
+    return found
 
 
-def draw(results, folder):
-    """Draws what was measured; the files' paths, none without gnuplot or measurements."""
-    if shutil.which("gnuplot") is None:
-        print("no plots: gnuplot is not installed; later: plot.py RESULTS.csv FOLDER", file=sys.stderr)
+def draw_file(path, commands):
+    """[path], which these commands write; [] without gnuplot."""
+    if not has_gnuplot():
         return []
-    with open(results, newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    return draw_figures(figures(rows), folder)
+    subprocess.run(["gnuplot"], input=commands, text=True, check=True)
+    return [path]
 
 
-def draw_figures(found, folder):
-    """The paths of what figures() gives, drawn."""
+def draw(figures, folder):
+    """Draws {file name: (heading, panels)}, but for panels without values; the files' paths."""
     paths = []
-    for name, (heading, panels) in found.items():
-        for suffix, terminal in TERMINALS.items():
-            path = pathlib.Path(folder) / f"{name}.{suffix}"
-            subprocess.run(["gnuplot"], input=script(heading, panels, terminal, path), text=True, check=True)
-            paths.append(path)
+    for name, (heading, panels) in figures.items():
+        panels = [panel for panel in panels if panel.values]
+        for suffix, terminal in TERMINALS.items() if panels else ():
+            path = folder / f"{name}.{suffix}"
+            paths += draw_file(path, script(heading, panels, terminal, path))
     return paths
-
-
-if __name__ == "__main__":
-    pathlib.Path(sys.argv[2]).mkdir(parents=True, exist_ok=True)
-    for written in draw(sys.argv[1], sys.argv[2]):
-        print(written)
