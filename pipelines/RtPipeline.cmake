@@ -13,8 +13,9 @@
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
 #                                           the same; the target update_goldens takes the renders for the goldens
 #
-# Functions of one pipeline are called in one folder, in which, or above which, this file is included. RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders
-# frames side by side, one on each device at a time; what has no frames is the first device's.
+# Functions of one pipeline are called in one folder, in which, or above which, this file is included. RT_DEVICES, devices with commas
+# between them as rt-trace --device takes them, renders frames side by side, one on each device at a time; what has no frames is the first
+# device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
 cmake_minimum_required(VERSION 3.25)
 
 set(RT_TOOLS_DIR "" CACHE PATH "Folder with the tools; searched in PATH if empty")
@@ -42,6 +43,9 @@ enable_testing()
 # Import and grid use all cores: one at a time keeps memory low and measured times true. So does a device.
 get_property(_rt_pools GLOBAL PROPERTY JOB_POOLS) # has them if another folder includes this file too
 string(REPLACE "," ";" RT_DEVICES "${RT_DEVICES}")
+if(RT_DEVICES STREQUAL "")
+    set(RT_DEVICES auto)
+endif()
 list(LENGTH RT_DEVICES _rt_device_count)
 math(EXPR _rt_last_device "${_rt_device_count} - 1")
 list(APPEND _rt_pools rt_tools=1)
@@ -83,6 +87,23 @@ function(_rt_step name tool pool)
         COMMENT "Making ${name}" JOB_POOL ${pool} VERBATIM)
 endfunction()
 
+# _rt_target(NAME MAKER file...): a target of these files, of which MAKER's are made; Make, unlike Ninja, would make those twice.
+function(_rt_target name maker)
+    add_custom_target(${name} ALL DEPENDS ${ARGN})
+    if(TARGET "${maker}")
+        add_dependencies(${name} ${maker})
+    endif()
+endfunction()
+
+# Sets `options` to those that choose a device.
+function(_rt_device options device)
+    list(GET RT_DEVICES ${device} name)
+    set(${options} --device ${name} PARENT_SCOPE)
+    if(name STREQUAL "auto")
+        set(${options} "" PARENT_SCOPE)
+    endif()
+endfunction()
+
 function(rt_add_scene name)
     _rt_parse("" "MODELS" "MODELS" ${ARGN})
     set(models "") # the caller may have such a variable
@@ -92,7 +113,7 @@ function(rt_add_scene name)
     endforeach()
     set(mesh ${CMAKE_CURRENT_BINARY_DIR}/${name}.rtmesh)
     _rt_step(${name} ${RT_IMPORT} rt_tools OUTPUTS ${mesh} INPUTS ${models} ARGS ${models} -o ${mesh} --if-changed ${ARG_ARGS})
-    add_custom_target(${name} ALL DEPENDS ${mesh})
+    _rt_target(${name} "" ${mesh})
 endfunction()
 
 function(rt_add_atlas name)
@@ -106,7 +127,7 @@ function(rt_add_atlas name)
         endif()
     endforeach()
     _rt_step(${name} ${RT_GRID} rt_tools OUTPUTS ${atlas} INPUTS ${mesh} ARGS ${mesh} -o ${atlas} --if-changed ${ARG_ARGS})
-    add_custom_target(${name} ALL DEPENDS ${atlas})
+    _rt_target(${name} ${ARG_SCENE} ${atlas})
 endfunction()
 
 # One step for each frame: those that did not change are skipped, and several devices share them. --reproducible: a picture
@@ -145,7 +166,7 @@ function(rt_add_render name)
     else()
         message(FATAL_ERROR "FRAMES ${ARG_FRAMES}: not a range such as 1-48")
     endif()
-    add_custom_target(${name} ALL DEPENDS ${files})
+    _rt_target(${name} ${ARG_ATLAS} ${files})
     set_target_properties(${name} PROPERTIES RT_FILES "${files}")
 endfunction()
 
@@ -153,9 +174,9 @@ endfunction()
 function(_rt_picture file name atlas device)
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
     set(atlas_file ${CMAKE_CURRENT_BINARY_DIR}/${atlas}.rtatlas)
-    list(GET RT_DEVICES ${device} device_name)
+    _rt_device(device_options ${device})
     _rt_step(${name} ${RT_TRACE} rt_device_${device} OUTPUTS ${base}.exr ${base}.png INPUTS ${atlas_file}
-             ARGS ${atlas_file} -o ${base}.exr -o ${base}.png --device ${device_name} ${ARGN})
+             ARGS ${atlas_file} -o ${base}.exr -o ${base}.png ${device_options} ${ARGN})
     set(${file} ${base}.exr PARENT_SCOPE)
 endfunction()
 
@@ -164,10 +185,10 @@ function(rt_add_query name)
     cmake_path(ABSOLUTE_PATH ARG_RAYS BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
     set(hits ${CMAKE_CURRENT_BINARY_DIR}/${name}.hits)
     set(atlas ${CMAKE_CURRENT_BINARY_DIR}/${ARG_ATLAS}.rtatlas)
-    list(GET RT_DEVICES 0 device)
+    _rt_device(device_options 0)
     _rt_step(${name} ${RT_TRACE} rt_device_0 OUTPUTS ${hits} INPUTS ${atlas} ${ARG_RAYS}
-             ARGS ${atlas} --rays ${ARG_RAYS} -o ${hits} --device ${device} ${ARG_ARGS})
-    add_custom_target(${name} ALL DEPENDS ${hits})
+             ARGS ${atlas} --rays ${ARG_RAYS} -o ${hits} ${device_options} ${ARG_ARGS})
+    _rt_target(${name} ${ARG_ATLAS} ${hits})
 endfunction()
 
 function(rt_add_comparison name)
@@ -187,6 +208,7 @@ function(rt_add_regression name)
         COMMAND ${CMAKE_COMMAND} -E make_directory ${ARG_GOLDENS}
         COMMAND ${CMAKE_COMMAND} -E copy_if_different ${files} ${ARG_GOLDENS}
         DEPENDS ${files} COMMENT "Taking ${ARG_RENDER} for ${ARG_GOLDENS}" VERBATIM)
+    add_dependencies(update_${name} ${ARG_RENDER})
     if(NOT TARGET update_goldens)
         add_custom_target(update_goldens)
     endif()
@@ -195,9 +217,13 @@ endfunction()
 
 # A test for each picture, with further options of rt-compare.
 function(_rt_compare name render references max_rmse)
+    if(TARGET ${name})
+        message(FATAL_ERROR "${name} is a target already, whose files a comparison of that name would replace")
+    endif()
     _rt_files_of(files ${render})
     list(LENGTH files count)
     list(LENGTH references wanted)
+    string(LENGTH ${render} render_length)
     if(NOT count EQUAL wanted)
         message(FATAL_ERROR "${name}: ${render} has ${count} pictures, ${wanted} are to be compared with")
     endif()
@@ -207,7 +233,8 @@ function(_rt_compare name render references max_rmse)
     endif()
     foreach(picture reference IN ZIP_LISTS files references)
         cmake_path(GET picture STEM LAST_ONLY stem)
-        string(REPLACE "${render}" "${name}" test ${stem}) # NAME, or NAME.0001
+        string(SUBSTRING ${stem} ${render_length} -1 number) # .0001, or nothing
+        set(test ${name}${number})
         set(base ${CMAKE_CURRENT_BINARY_DIR}/${test})
         add_test(NAME ${test} COMMAND ${RT_COMPARE} ${picture} ${reference} --json ${base}.json --html ${base}.html ${options})
     endforeach()

@@ -19,6 +19,11 @@ esac
 
 [ -n "${RT_TOOLS_DIR-}" ] || sh "$repository/pipelines/build_tools.sh" rt_make_rays rt_check_hits rt_measure_hits rt_box_filter
 mkdir -p -- "$out"
+# Files of earlier runs will be removed there. Meshes may wait for the first one.
+if ! grep -qs '^CMAKE_PROJECT_NAME:STATIC=rt-benchmark$' "$out/CMakeCache.txt" && ls -A -- "$out" | grep -qv '\.rtmesh$'; then
+    echo "run.sh: $out has files that are none of a benchmark; name a new folder" >&2
+    exit 1
+fi
 if grep -s RT_ERRORS: "$out/CMakeCache.txt" | grep -qv "=$errors"; then
     echo "run.sh: $out has results of the other benchmark; name another folder" >&2
     exit 1

@@ -15,5 +15,6 @@ def line(name, report):
 
 
 if __name__ == "__main__":
-    for picture in sorted(pathlib.Path(sys.argv[1]).glob("*.png")):
+    pictures = sorted(pathlib.Path(sys.argv[1]).glob("*.png")) or sys.exit(f"{sys.argv[1]}: no pictures")
+    for picture in pictures:
         print(line(picture.stem, json.loads(picture.with_suffix(".json").read_text())))

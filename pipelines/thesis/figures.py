@@ -39,7 +39,7 @@ class Measured:
 
     def cases(self):
         """(scene, grid of the thesis' structures) of all that was measured."""
-        return [(scene, grid) for scene in self.scenes for grid in self.values("grid", scene=scene, structure="cloud")]
+        return [(scene, grid) for scene in self.scenes for grid in self.values("grid", scene=scene) if grid]
 
     def number(self, key, case, structure, kernel=None, size=None):
         """NaN where it was not measured. Ours has a grid of its own; by itself it is the first kernel's largest picture."""
@@ -139,7 +139,7 @@ def scene_table(measured):
     for case in measured.cases():
         kilobytes = [shown(measured.number("structure_bytes", case, structure) / 1e3, ",.0f") for structure in STRUCTURES[1:]]
         lines.append([
-            case[0], shown(measured.number("triangles", case, "cloud"), ",.0f"), f"{case[1]}³",
+            case[0], f"{int(measured.values('triangles', scene=case[0])[0]):,}", f"{case[1]}³",
             shown(100 * measured.number("empty", case, "cloud"), ".1f") + " %",
             shown(measured.number("proximity_max", case, "cloud"), ".0f"),
             shown(measured.number("proximity_mean", case, "cloud"), ".1f"),

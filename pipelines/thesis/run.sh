@@ -1,12 +1,15 @@
 #!/bin/sh
 # Measures the thesis' scenes, see README.md:
-#     run.sh [OUT [-D VARIABLE=VALUE ...]]
+#     run.sh [OUT] [-D VARIABLE=VALUE ...]
 # OUT is build/thesis if not given. Tools are those in $RT_TOOLS_DIR; if that is not set they are built here.
 set -eu
 here=$(CDPATH= cd -- "$(dirname -- "$0")" && pwd)
 repository=${here%/*/*}
-out=${1-$repository/build/thesis}
-[ $# -eq 0 ] || shift
+out=$repository/build/thesis
+case ${1--} in
+-*) ;;
+*) out=$1; shift ;;
+esac
 
 [ -n "${RT_TOOLS_DIR-}" ] || sh "$repository/pipelines/build_tools.sh"
 cmake -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="${RT_TOOLS_DIR:-$repository/build/release/bin}" "$@"

@@ -209,6 +209,10 @@ TEST_F(BenchmarkPipeline, WrongCallsAreRefused) {
     EXPECT_THAT(nothing.err, HasSubstr("dragon: skipped, without " + folder_.file("scenes/models/statues/")));
     EXPECT_THAT(nothing.err, EndsWith("\nnothing was measured\n"));
     std::filesystem::remove_all(out_);
+    std::filesystem::create_directories(out_ + "/bunny-photos");
+    EXPECT_THAT(run(RT_BIN_DIR, {"RT_SCENES=bunny"}).err, HasSubstr("files that are none of a benchmark"));
+    EXPECT_TRUE(std::filesystem::exists(out_ + "/bunny-photos"));
+    std::filesystem::remove_all(out_);
     std::ofstream(out_) << "a file";
     const CommandResult result = run(RT_BIN_DIR, {"RT_SCENES=bunny"});
     EXPECT_EQ(result.exitCode, 1);

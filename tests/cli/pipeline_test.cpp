@@ -142,6 +142,9 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
                   "FRAMES 3-1: the last frame is before the first");
     expectRefused("rt_add_query(q ATLAS x)\n", "RAYS is missing");
     expectRefused("rt_add_comparison(c A nothing B scene)\n", "scene is no rt_add_render");
+    expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
+                  "rt_add_regression(r RENDER r GOLDENS g)\n",
+                  "r is a target already");
 }
 
 TEST_F(CMakePipeline, ValuesThatReadAsFalseReachTheTools) {
@@ -184,6 +187,26 @@ TEST_F(CMakePipeline, MissingToolsAreNamedAndFoundWhereTheyAreNext) {
     EXPECT_EQ(configure().exitCode, 0);
 }
 
+TEST_F(CMakePipeline, MakefilesMakeEachStepOnce) {
+    writeSteps(
+        "foreach(i RANGE 1 3)\nrt_add_atlas(atlas${i} SCENE scene)\n"
+        "rt_add_render(a${i} ATLAS atlas${i} SIZE 8x8)\nrt_add_render(b${i} ATLAS atlas${i} SIZE 8x8)\n"
+        "endforeach()\nrt_add_regression(test RENDER a1 GOLDENS goldens)\n");
+    ASSERT_EQ(runCommand({CMAKE_PATH, "-G", "Unix Makefiles", "-S", folder_.file("."), "-B",
+                          folder_.file("build"), "-DRT_TOOLS_DIR=" RT_BIN_DIR, "-DRT_DEVICES=software"})
+                  .exitCode,
+              0);
+    const CommandResult built = runCommand(
+        {CMAKE_PATH, "--build", folder_.file("build"), "-j8", "--target", "all", "update_goldens"});
+    ASSERT_EQ(built.exitCode, 0) << built.err;
+    for (const std::string step : {"scene", "atlas1", "atlas2", "atlas3", "a1", "b3"}) {
+        const std::string line = "Making " + step + "\n";
+        const std::size_t first = built.out.find(line);
+        EXPECT_NE(first, std::string::npos) << step;
+        EXPECT_EQ(built.out.find(line, first + 1), std::string::npos) << step << " is made twice";
+    }
+}
+
 TEST_F(CMakePipeline, FramesAreSharedByDevicesAndHeldAgainstGoldens) {
     writeSteps("rt_add_atlas(atlas SCENE scene)\n"
                "rt_add_render(turn ATLAS atlas SIZE 16x8 FRAMES 9-11 ARGS --turntable 12)\n"
@@ -191,7 +214,8 @@ TEST_F(CMakePipeline, FramesAreSharedByDevicesAndHeldAgainstGoldens) {
     ASSERT_EQ(configure("software,auto").exitCode, 0);
     const CommandResult built = build();
     ASSERT_EQ(built.exitCode, 0) << built.out << built.err;
-    EXPECT_THAT(built.out, HasSubstr("--device auto"));
+    EXPECT_THAT(built.out, HasSubstr("--device software"));
+    EXPECT_THAT(built.out, Not(HasSubstr("--device auto"))) << "RT_DEVICE may say which";
     EXPECT_NE(test().exitCode, 0) << "there are no goldens";
     EXPECT_EQ(build("update_goldens").exitCode, 0);
     for (const char* frame : {"turn.0009.exr", "turn.0010.exr", "turn.0011.exr"})
