@@ -41,11 +41,15 @@ def main(argv):
     try:
         command = argv[1] if len(argv) > 1 and argv[1] in COMMANDS else "export"
         options = parse(command, argv[1:] if command == "export" else argv[2:])
-        return FUNCTIONS[command](options)
+        code = FUNCTIONS[command](options)
+        print(end="", flush=True)
+        return code
     except PlanError as error:
         print(f"{NAME}: error: {error}", file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what Python still has to flush
+        print(f"{NAME}: error: standard output: its reader has closed it", file=sys.stderr)
         return FILE_ACCESS
     except OSError as error:
         print(f"{NAME}: error: {error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
