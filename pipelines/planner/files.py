@@ -88,8 +88,9 @@ class Running:
         self.signals = []
 
     def end(self, number, _):
+        if not self.signals:
+            signal.setitimer(signal.ITIMER_REAL, GRACE_SECONDS)
         self.signals.append(number)
-        signal.setitimer(signal.ITIMER_REAL, GRACE_SECONDS)
         for process in list(self.processes):
             process.terminate()  # it may have been started with Ctrl-C ignored
 

@@ -1,6 +1,7 @@
 """pipelines/plan through its executable: plan_test.py ROOT BIN_DIR"""
 import contextlib
 import copy
+import io
 import json
 import os
 import pathlib
@@ -25,7 +26,8 @@ PLAN = ROOT / "pipelines" / "plan"
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(ROOT / "pipelines"), str(ROOT / "tests" / "support")]
 from changed_document import REMOVE, changed_document  # noqa: E402
-from planner import description, errors, files, goldens, graph, run_here, slurm_queue, status, thumbnail, tool_options, versions  # noqa: E402
+from planner import command_line, description, errors, files, goldens, graph, run_here  # noqa: E402
+from planner import slurm_queue, status, thumbnail, tool_options, versions  # noqa: E402
 
 MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
 PATH = [{"frame": 1, "eye": [3, 2, 0], "lookAt": [0, 0.4, 0]}, {"frame": 2, "eye": [0, 2, 3], "lookAt": [0, 0.4, 0]}]
@@ -808,7 +810,6 @@ class ChangesTest(PlanTest):
         seen = f"{self.TRACES} merge-parts compare-same"
         yield "nothing", lambda: None, ""
         yield "time stamps", self.touch_all, ""
-        yield "a camera", lambda: self.edit("tent.scene.json", '"eye": [3', '"eye": [2'), self.ALL
         yield "a texture, older", lambda: self.replace_by_older("t.ppm", "P6\n1 1\n255\naba"), self.ALL
         yield "a mesh", lambda: self.edit("tent.obj", "v 0 1 0", "v 0 1.5 0"), self.ALL
         yield "a comment, and a camera's path, older", lambda: (
@@ -833,8 +834,11 @@ class ChangesTest(PlanTest):
         yield "a stamp", (self.folder / "tent/same/same.passed").unlink, ""
 
     def run_working(self):
-        said = self.call("run", "tent.plan.json")
-        return set(re.findall(r"^\[\d+/\d+\] (\S+): (?!.*up to date)", said, re.MULTILINE))
+        """In this process: starting Python would cost more than most steps."""
+        words = ["plan", "run", str(self.folder / "tent.plan.json"), "-o", str(self.folder / "tent")]
+        with unittest.mock.patch.dict(os.environ, self.environment, clear=True), contextlib.redirect_stdout(io.StringIO()) as said:
+            self.assertEqual(command_line.main(words), 0)
+        return set(re.findall(r"^\[\d+/\d+\] (\S+): (?!.*up to date)", said.getvalue(), re.MULTILINE))
 
     def test_exactly_the_steps_work_that_have_to(self):
         self.assertEqual(self.run_working(), set(self.ALL.split()))
@@ -887,7 +891,8 @@ class WholeTest(PlanTest):
         self.call("report", "tent", "-o", "report.html", "--junit", "junit.xml")
         page = (self.folder / "report.html").read_text()
         self.assertEqual(page.count("data:image/png;base64,"), 5)
-        self.assertEqual(len(re.findall(r"<rect ", page)), len(self.states()))
+        count = len(self.states())
+        self.assertEqual(len(re.findall(r"<rect ", page)), count)
         self.assertNotIn("http", page)
         self.assertIn('href="tent/same/same.0002.html"', page)
         self.assertTrue((self.folder / "tent/same/same.0002.html").exists())
@@ -896,7 +901,7 @@ class WholeTest(PlanTest):
         self.call("report", "tent", "-o", "again.html")
         self.assertNotIn("nothing that it depends on has changed", (self.folder / "again.html").read_text())
         suite = ET.parse(self.folder / "junit.xml").getroot()
-        self.assertEqual((suite.get("tests"), suite.get("failures")), (str(len(self.states())), "0"))
+        self.assertEqual((suite.get("tests"), suite.get("failures")), (str(count), "0"))
 
 
 if __name__ == "__main__":
