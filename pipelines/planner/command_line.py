@@ -12,11 +12,12 @@ from planner.errors import FILE_ACCESS, INVALID_CONTENT, SIGNALLED, USAGE, PlanE
 from planner.files import is_printable, passed_on, write_whole
 from planner.goldens import update_goldens
 from planner.graph import build_graph, load_graph, save_graph
-from planner.help_text import Parser
-from planner.run_here import run_graph
+from planner.help_text import Parser, whole_number
+from planner.report import RUN
+from planner.run_here import Scheduler, run_lock
 from planner.run_step import find_step, run_step
 from planner.slurm_queue import JOBS
-from planner.versions import check_programs, version_of, versions_of
+from planner.versions import check_programs, folder_of_tools, version_of, versions_of
 
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "plan"
 NAME = pathlib.Path(sys.argv[0]).name  # plan, or rt-plan where it is installed
@@ -40,11 +41,15 @@ def main(argv):
     try:
         command = argv[1] if len(argv) > 1 and argv[1] in COMMANDS else "export"
         options = parse(command, argv[1:] if command == "export" else argv[2:])
-        return globals()[f"{command.replace('-', '_')}_command"](options)
+        code = FUNCTIONS[command](options)
+        print(end="", flush=True)
+        return code
     except PlanError as error:
         print(f"{NAME}: error: {error}", file=sys.stderr)
         return error.exit_code
     except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # for what Python still has to flush
+        print(f"{NAME}: error: standard output: its reader has closed it", file=sys.stderr)
         return FILE_ACCESS
     except OSError as error:
         print(f"{NAME}: error: {error.filename or 'a file'}: {error.strerror}", file=sys.stderr)
@@ -59,15 +64,15 @@ def parse(command, words):
     about = ABOUT[command]
     if command == "export":
         about += "\nOther commands: " + ", ".join(f"{NAME} {other} --help ({does})" for other, does in COMMANDS.items()) + "."
-    positionals = FILE_AND_FOLDERS if command in ("export", "run") else FOLDER
-    return Parser(name, about, positionals + OPTIONS[command] + GENERAL, EXIT_CODES).parse_args(words)
+    first = DESCRIPTION if command in ("export", "run") else FOLDER
+    return Parser(name, about, first + OPTIONS[command] + GENERAL, EXIT_CODES).parse_args(words)
 
 
 PATH = {"type": pathlib.Path}
-FILE_AND_FOLDERS = [
+DESCRIPTION = [
     (["file"], PATH | {"metavar": "FILE", "help": "pipeline description, *.plan.json"}),
     (["-o", "--output"], PATH | {"metavar": "DIR", "help": "where everything goes; else a folder here, named like FILE"}),
-    (["--tools"], PATH | {"metavar": "DIR", "help": "folder with rt-import and the others; else $RT_TOOLS_DIR, else they are looked for in PATH"}),
+    (["--tools"], PATH | {"metavar": "DIR", "help": "folder with rt-import and the others; else $RT_TOOLS_DIR, else they are looked for in PATH, then beside this program"}),
 ]
 FOLDER = [(["folder"], PATH | {"metavar": "DIR", "help": "the run's folder"})]
 GENERAL = [
@@ -80,7 +85,7 @@ ABOUT = {
     "step": "Runs one step for an engine: waits for a device of RT_DEVICES, keeps a log and a record in DIR.",
     "status": "Says which steps are done, failed, running and waiting, and why; the summary of a run under any engine.",
     "report": "Writes one page of a run: pictures, times, comparisons, what was skipped and why.",
-    "update-goldens": "Copies the pictures of a finished run to where its description has the goldens: all of them or none.",
+    "update-goldens": "Copies the pictures of a finished run to where its description has the goldens; replaces none before all are copied.",
 }
 OPTIONS = {
     "export": [
@@ -91,10 +96,10 @@ OPTIONS = {
         (["--slurm"], PATH | {"metavar": "DIR", "help": "write Slurm job arrays, and submit.sh, which hands them in"}),
         (["--openjd"], PATH | {"metavar": "FILE", "help": "write a job template of Open Job Description 2023-09"}),
     ],
-    "run": [(["-j", "--jobs"], {"type": int, "metavar": "N", "help": "steps at a time; else as many as there are devices, and cores for the others"})],
+    "run": [(["-j", "--jobs"], {"type": whole_number(1), "metavar": "N", "help": "steps at a time; else as many as there are devices, and cores for the others"})],
     "step": [
         (["step"], {"metavar": "STEP", "help": "id of the step, or id@digest, which must be what DIR/plan.json says"}),
-        (["--retries"], {"type": int, "default": 0, "metavar": "N", "help": "try again after crashes, lost GPUs and file access"}),
+        (["--retries"], {"type": whole_number(0), "default": 0, "metavar": "N", "help": "try again after crashes, lost GPUs and file access"}),
         (["--touch"], {"action": "store_true", "help": "give outputs that are up to date a new time stamp, as Make wants"}),
     ],
     "status": [(["--json"], {"action": "store_true", "help": "print all steps as JSON"})],
@@ -106,22 +111,22 @@ OPTIONS = {
 }  # fmt: skip
 
 
-def planned(options):
-    """(graph, its run's folder)."""
+def planned(options, runs=False):
+    """(graph, its run's folder). `runs`: the tools have to be here."""
     name = options.file.name.removesuffix(".json").removesuffix(".plan")
     if not name:
         raise PlanError(USAGE, f"{options.file}: has no name before .plan.json, after which the run is called; rename it")
     folder = real(options.output or name)
     if folder.exists() and not folder.is_dir():
         raise PlanError(FILE_ACCESS, f"{folder}: is no folder; name one for the run with -o")
-    tools = options.tools or os.environ.get("RT_TOOLS_DIR")
+    tools = folder_of_tools(options.tools)
     description = read_description(options.file)
     try:
         graph = build_graph(description, name, real(options.file.parent), folder, real(tools) if tools else None)
     except PlanError as error:
         raise PlanError(error.exit_code, f"{options.file}: {error}") from None
-    if tools:
-        check_programs(sorted({step.argv[0] for step in graph.steps}))
+    if tools or runs:
+        check_programs(graph)
     return graph, folder
 
 
@@ -144,7 +149,9 @@ def export_command(options):
         print(steps_as_json(graph) if options.json else steps_as_text(graph, folder), end="")
         return 0
     ninja, make, slurm, openjd = (target and pathlib.Path(os.path.abspath(target)) for target in targets)
-    save_graph(graph, folder)
+    with run_lock(folder):
+        save_graph(graph, folder)
+        (folder / RUN).unlink(missing_ok=True)
     if ninja:
         write_whole(ninja, export_ninja.ninja_text(graph, plan, folder, ninja))
     if make:
@@ -174,15 +181,13 @@ def steps_as_json(graph):
 
 
 def run_command(options):
-    graph, folder = planned(options)
-    if options.jobs is not None and options.jobs < 1:
-        raise PlanError(USAGE, f"--jobs {options.jobs}: wanted is 1 or more")
+    graph, folder = planned(options, runs=True)
     versions = versions_of(graph)
-    save_graph(graph, folder)
-    write_whole(folder / "run.json", json.dumps({"start": time.time()}) + "\n")
-    (folder / JOBS).unlink(missing_ok=True)  # of an earlier run: what Slurm still has of it does no harm, and does not count
-    with passed_on() as running:
-        run_graph(graph, folder, versions, running, options.jobs)
+    with run_lock(folder), passed_on() as running:
+        save_graph(graph, folder)
+        write_whole(folder / RUN, json.dumps({"start": time.time()}) + "\n")
+        (folder / JOBS).unlink(missing_ok=True)  # of an earlier run: what Slurm still has of it does no harm, and does not count
+        Scheduler(graph, folder, versions, running, options.jobs).run()
     if running.signals:
         raise PlanError(SIGNALLED + running.signals[0], f"interrupted; steps that ran have been ended, the same command goes on: {folder}")
     return print_status(graph, folder, as_json=False)
@@ -222,5 +227,13 @@ def report_command(options):
 
 def update_goldens_command(options):
     folder = real(options.folder)
-    print("\n".join(update_goldens(load_graph(folder), folder)))
+    graph = load_graph(folder)
+    with run_lock(folder):
+        print("\n".join(update_goldens(graph, folder)))
     return 0
+
+
+FUNCTIONS = {
+    "export": export_command, "run": run_command, "status": status_command, "report": report_command,
+    "update-goldens": update_goldens_command, "step": step_command,
+}  # fmt: skip

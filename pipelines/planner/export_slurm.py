@@ -35,15 +35,18 @@ SUBMIT = """#!/bin/sh
 set -eu
 cd {folder}
 mkdir -p logs
+list=slurm-jobs.tsv.$$
 jobs=
-note() {{ printf '%s\\t%s\\n' "$1" "$2" >>slurm-jobs.tsv.new; jobs="$jobs${{jobs:+:}}$1"; }}
-: >slurm-jobs.tsv.new
-# All or nothing: what was handed in before an error is taken back.
-trap '[ -z "$jobs" ] || scancel $(echo "$jobs" | tr : " "); rm -f slurm-jobs.tsv.new' EXIT
+note() {{ printf '%s\\t%s\\n' "$1" "$2" >>"$list"; jobs="$jobs${{jobs:+:}}$1"; }}
+: >"$list"
+# All or nothing: what was handed in before an error or a signal is taken back.
+trap '[ -z "$jobs" ] || scancel $(echo "$jobs" | tr : " "); rm -f "$list"' EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM HUP
 {submissions}
 sbatch "$@" --parsable --dependency=afterany:"$jobs" {summary} >/dev/null
 trap - EXIT
-mv slurm-jobs.tsv.new slurm-jobs.tsv
+mv "$list" slurm-jobs.tsv
 echo "$jobs" | tr : '\\n'
 """
 

@@ -2,6 +2,7 @@
 import contextlib
 import fcntl
 import os
+import pathlib
 import signal
 import tempfile
 import time
@@ -10,6 +11,7 @@ import unicodedata
 from planner.errors import FILE_ACCESS, SIGNALLED, PlanError
 
 POLL_SECONDS = 0.02
+GRACE_SECONDS = 5  # for a tool that was told to end
 
 
 def is_printable(name):
@@ -26,22 +28,40 @@ def read_text(path):
 
 def write_whole(path, text, executable=False):
     """A reader sees the old file or the new one, also after a crash. A file that holds the text already stays as it is."""
+    content = text.encode()
     with contextlib.suppress(OSError):
-        if path.read_text(encoding="utf-8") == text:
+        if path.read_bytes() == content:
             return
-    try:
+    with replacement(path, content, executable) as replace:
+        replace()
+
+
+@contextlib.contextmanager
+def replacement(path, content, executable=False):
+    """Writes the content beside `path`; gives a function that puts it there. What was not put there is removed."""
+    with says_what(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name + ".tmp.")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-                os.fchmod(file.fileno(), 0o755 if executable else 0o644)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name[:50] + ".tmp.")
+
+    def replace():
+        with says_what(path):
             os.replace(name, path)
-        except BaseException:
-            os.unlink(name)
-            raise
+
+    try:
+        with says_what(path), os.fdopen(handle, "wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+            os.fchmod(file.fileno(), 0o755 if executable else 0o644)
+        yield replace
+    finally:
+        pathlib.Path(name).unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def says_what(path):
+    try:
+        yield
     except OSError as error:
         raise PlanError(FILE_ACCESS, f"{path}: cannot be written: {error.strerror}") from None
 
@@ -68,9 +88,19 @@ class Running:
         self.signals = []
 
     def end(self, number, _):
+        if not self.signals:
+            signal.setitimer(signal.ITIMER_REAL, GRACE_SECONDS)
         self.signals.append(number)
         for process in list(self.processes):
             process.terminate()  # it may have been started with Ctrl-C ignored
+
+    def kill(self, *_):
+        for process in list(self.processes):
+            process.kill()
+
+    def check(self):
+        if self.signals:
+            raise PlanError(SIGNALLED + self.signals[0], "interrupted")
 
     def wait(self, process):
         """Its exit code."""
@@ -84,23 +114,25 @@ class Running:
 
     def wait_for(self, condition):
         """The first result of the condition that is true."""
-        while not self.signals:
+        while True:
+            self.check()
             found = condition()
             if found:
                 return found
             time.sleep(POLL_SECONDS)
-        raise PlanError(SIGNALLED + self.signals[0], "interrupted")
 
 
 @contextlib.contextmanager
 def passed_on():
-    """Ctrl-C and being told to end go to the tools that run, so that they end first; gives Running."""
+    """Ctrl-C and being told to end go to the tools that run, so that they end first or are killed; gives Running."""
     running = Running()
     numbers = [number for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP) if signal.getsignal(number) != signal.SIG_IGN]
     before = {number: signal.signal(number, running.end) for number in numbers}
+    before[signal.SIGALRM] = signal.signal(signal.SIGALRM, running.kill)
     try:
         yield running
     finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
         for number, handler in before.items():
             signal.signal(number, handler)
 

@@ -3,10 +3,9 @@ import contextlib
 import filecmp
 import os
 import pathlib
-import shutil
-import tempfile
 
 from planner.errors import FILE_ACCESS, INVALID_CONTENT, USAGE, PlanError
+from planner.files import passed_on, replacement
 from planner.freshness import untouched
 from planner.run_step import read_record
 
@@ -45,27 +44,15 @@ def check_pictures(graph, folder, pictures):
 
 
 def replace_all(pairs):
-    """Copies all before it replaces the first."""
-    with contextlib.ExitStack() as copies:
-        made = [(copied(copies, source, target), target) for source, target in pairs if not is_same(source, target)]
-        new = {target for _, target in made if not target.exists()}
-        for copy, target in made:
-            os.replace(copy, target)
-    replaced = {target for _, target in made} - new
-    return [f"{target}: {'new' if target in new else 'replaced' if target in replaced else 'the same'}" for _, target in pairs]
+    """Copies all before it replaces the first; a signal that comes after that is too late."""
+    changed = {target: "replaced" if target.exists() else "new" for source, target in pairs if not is_same(source, target)}
+    with passed_on() as running, contextlib.ExitStack() as copies:
+        ready = [copies.enter_context(replacement(target, source.read_bytes())) for source, target in pairs if target in changed]
+        running.check()
+        for replace in ready:
+            replace()
+    return [f"{target}: {changed.get(target, 'the same')}" for _, target in pairs]
 
 
 def is_same(source, target):
     return target.exists() and filecmp.cmp(source, target, shallow=False)
-
-
-def copied(copies, source, target):
-    target.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=target.parent, prefix=target.name[:100] + ".tmp.")
-    copies.callback(pathlib.Path(name).unlink, missing_ok=True)
-    with os.fdopen(handle, "wb") as file, open(source, "rb") as content:
-        shutil.copyfileobj(content, file)
-        file.flush()
-        os.fsync(file.fileno())
-        os.fchmod(file.fileno(), 0o644)
-    return name

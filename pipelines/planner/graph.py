@@ -220,7 +220,8 @@ def add_shards(builder, name, render, id, base, words, inputs, stem):
         builder.add("trace", f"{id}-{i}of{count}", f"trace-{name}", [*words, "-o", f"{base}.{part}", *shard],
                     inputs, [parts[-1]], render)  # fmt: skip
     outputs = [f"{stem}.exr", f"{stem}.png"]
-    merge = ["merge", *parts, "-o", outputs[0], "-o", outputs[1], *render.get("pngOptions", []), "--if-changed"]
+    merge = ["merge", *parts, "-o", outputs[0], "-o", outputs[1], *render.get("pngOptions", []), "--if-changed",
+             *builder.threads("merge", {})]  # fmt: skip
     builder.add("merge", id.replace("trace-", "merge-", 1), f"merge-{name}", merge, parts, outputs, render)
 
 

@@ -22,6 +22,17 @@ class Parser(argparse.ArgumentParser):
         raise PlanError(USAGE, f"{message}; see {self.prog} --help")
 
 
+def whole_number(least):
+    """What an option takes that is one, `least` or more."""
+
+    def number(word):
+        if not word.isdecimal() or int(word) < least:
+            raise argparse.ArgumentTypeError(f"'{word}' is no whole number from {least} on")
+        return int(word)
+
+    return number
+
+
 def help_text(name, about, arguments, ending):
     positionals = [(names, settings) for names, settings in arguments if not names[0].startswith("-")]
     options = [(names, settings) for names, settings in arguments if names[0].startswith("-")]

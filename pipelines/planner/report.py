@@ -9,6 +9,7 @@ from planner.gantt import COLORS, FAILED, gantt
 from planner.junit import seconds
 from planner.thumbnail import thumbnail
 
+RUN = "run.json"  # when `plan run` began
 PIXELS = 240
 PICTURES = 24  # of one render; of more, evenly many
 
@@ -117,9 +118,9 @@ def untouched(statuses, folder):
 
 
 def start_of_run(folder):
-    """When `plan run` began; 0 of other engines, which start every step."""
+    """When `plan run` began; 0 of other engines, of which nobody knows when they began."""
     try:
-        return json.loads((folder / "run.json").read_text(encoding="utf-8"))["start"]
+        return json.loads((folder / RUN).read_text(encoding="utf-8"))["start"]
     except (OSError, ValueError, KeyError):
         return 0
 

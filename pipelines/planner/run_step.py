@@ -10,14 +10,15 @@ import time
 
 from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
-from planner.files import open_lock, read_text, try_lock, write_whole
-from planner.freshness import signatures
+from planner.files import open_lock, try_lock, write_whole
+from planner.freshness import signature, signatures
 from planner.graph import load_step
 from planner.versions import REMEDY
 
-UP_TO_DATE = re.compile(r"^(rt-\w+: .*up to date.*)$", re.MULTILINE)
+# What a tool says of its failure is for those who read it: exit codes decide.
 REASON = re.compile(r"^(rt-\w+: error: .*|limit: .*: broken|verdict: .*)$", re.MULTILINE)
 STATES = ("running", "done", "skipped", "failed")
+ATTEMPT = {"start": 0.0, "end": None, "host": "", "slot": "", "exitCode": None, "why": ""}
 PAUSE_SECONDS = 0.5
 
 
@@ -61,14 +62,12 @@ def step_lock(folder, step, running):
 
 def read_record(folder, step):
     """What the last run left, or None. A record of other options, or that is none of ours, does not count."""
-    path = folder / step.record
-    if not path.exists():
-        return None
     try:
-        record = json.loads(read_text(path))
-        is_ours = isinstance(record["attempts"], list) and isinstance(record.get("files", {}), dict)
-        return record if is_ours and record["token"] == step.token and record["state"] in STATES else None
-    except (ValueError, KeyError, TypeError):
+        record = json.loads((folder / step.record).read_bytes())
+        is_ours = record["token"] == step.token and record["state"] in STATES and isinstance(record.get("files", {}), dict)
+        is_whole = record["attempts"] and all(ATTEMPT.keys() <= attempt.keys() for attempt in record["attempts"])
+        return record if is_ours and is_whole else None
+    except (FileNotFoundError, NotADirectoryError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 
 
@@ -83,14 +82,16 @@ def interrupted_attempts(folder, step):
 
 def attempt(folder, step, attempts, lock, running, version, touch):
     with device(os.environ, running) if step.resources["gpus"] else contextlib.nullcontext(("", "", None)) as (slot, name, handle):
-        current = {"start": time.time(), "host": socket.gethostname(), "slot": slot, "exitCode": None, "why": ""}
+        current = ATTEMPT | {"start": time.time(), "host": socket.gethostname(), "slot": slot}
         attempts.append(current)
         save_record(folder, step, "running", attempts)
         prepare(folder, step)
+        before = [signature(folder / output) for output in step.outputs]
         environment = os.environ | ({"RT_DEVICE": name} if name else {})
         handles = [fd for fd in (lock, handle) if fd is not None]
         code, said = execute(folder, step, environment, handles, len(attempts), running)
-    code, state, why = verdict(folder, step, code, said)
+    is_same = before == [signature(folder / output) for output in step.outputs]
+    code, state, why = verdict(folder, step, code, said, is_same)
     for output in step.outputs if touch and code == 0 else ():
         os.utime(folder / output)
     current |= {"end": time.time(), "exitCode": code, "why": why}
@@ -126,16 +127,15 @@ def execute(folder, step, environment, handles, number, running):
         return (code if code >= 0 else SIGNALLED - code), file.read()
 
 
-def verdict(folder, step, code, said):
-    """(exit code, state, why)."""
+def verdict(folder, step, code, said, is_same):
+    """(exit code, state, why). `is_same`: the tool left all outputs as they were (--if-changed)."""
     if code == 0 and step.stamp:
         write_whole(folder / step.stamp, step.token + "\n")
     missing = missing_outputs(folder, step)
     if code == 0 and missing:
         return INTERNAL, "failed", f"did not write {missing[0]}"
-    up_to_date = UP_TO_DATE.search(said)
     if code == 0:
-        return 0, "skipped" if up_to_date else "done", up_to_date[1] if up_to_date else ""
+        return (0, "skipped", "up to date") if is_same else (0, "done", "")
     return code, "failed", why_failed(folder, step, code, said)
 
 

@@ -2,30 +2,34 @@
 import json
 import subprocess
 
-from planner.errors import FILE_ACCESS, PlanError
+from planner.errors import FILE_ACCESS, INVALID_CONTENT, PlanError
 from planner.files import read_text
 
 JOBS = "slurm-jobs.tsv"  # job id, tasks file; written by submit.sh
+TIMEOUT_SECONDS = 60
 
 
 def queued_steps(folder):
-    """{step id: "12_3 PENDING (Resources)"} of what is queued or runs; None where nothing was submitted."""
+    """{step id: (job, state, reason)}, say 12_3, PENDING, Resources, of what is queued or runs; None where nothing was submitted."""
     if not (folder / JOBS).exists():
         return None
     tasks = {}
     for line in read_text(folder / JOBS).splitlines():
-        job, file = line.split("\t")
+        job, tab, file = line.partition("\t")
+        if not tab:
+            raise PlanError(INVALID_CONTENT, f"{folder / JOBS}: {json.dumps(line)} is none of submit.sh's jobs; submit again")
         for index, token in enumerate(read_text(folder / file).splitlines(), 1):
             tasks[f"{job}_{index}"] = token.partition("@")[0]
-    return {tasks[task]: text for task, text in ask_squeue().items() if task in tasks}
+    return {tasks[job]: (job, state, reason) for job, state, reason in ask_squeue() if job in tasks}
 
 
 def ask_squeue():
-    """{task: its id, state and reason}."""
+    """(job, state, reason or "") of each task."""
+    command = ["squeue", "-h", "-r", "--me", "-o", "%i|%T|%r"]
     try:
-        result = subprocess.run(["squeue", "-h", "-r", "--me", "-o", "%i|%T|%r"], capture_output=True, text=True, check=True)
-    except (OSError, subprocess.CalledProcessError) as error:
-        said = (getattr(error, "stderr", "") or str(error)).strip()
+        result = subprocess.run(command, capture_output=True, text=True, check=True, timeout=TIMEOUT_SECONDS)
+    except (OSError, subprocess.SubprocessError) as error:
+        said = str(getattr(error, "stderr", "") or error).strip()
         raise PlanError(FILE_ACCESS, f"Slurm does not say what is queued: squeue: {json.dumps(said)}; try again") from None
     rows = (line.split("|", 2) for line in result.stdout.splitlines())
-    return {task: f"{task} {state}" + ("" if reason == "None" else f" ({reason})") for task, state, reason in rows}
+    return [(job, state, "" if reason == "None" else reason) for job, state, reason in rows]

@@ -19,6 +19,8 @@ class StepStatus:
     state: str  # one of STATES
     why: str
     attempts: list
+    job: str = ""  # of Slurm, that waits
+    reason: str = ""  # why Slurm lets it wait
 
 
 def run_status(graph, folder):
@@ -31,12 +33,13 @@ def run_status(graph, folder):
 
 
 def step_status(step, folder, found, queue):
-    record = read_record(folder, step)
+    record, runs = record_of_now(folder, step)
     attempts = record["attempts"] if record else []
-    if is_running(folder, step):
+    if runs:
         return StepStatus(step, "running", place_of(attempts), attempts)
     if queue and step.id in queue:
-        return StepStatus(step, "waiting", f"Slurm job {queue[step.id]}", attempts)
+        job, state, reason = queue[step.id]
+        return StepStatus(step, "waiting", f"Slurm job {job} {state}" + (f" ({reason})" if reason else ""), attempts, job, reason)
     if record and record["state"] != "running":
         gone = missing_outputs(folder, step) if record["state"] in ("done", "skipped") else []
         if not gone:
@@ -52,6 +55,15 @@ def step_status(step, folder, found, queue):
         return StepStatus(step, "blocked", "is not in Slurm's queue: cancelled, or lost", attempts)
     awaited = [id for id in step.depends_on if found[id].state not in ("done", "skipped")]
     return StepStatus(step, "waiting", f"for {awaited[0]}" if awaited else "to be started", attempts)
+
+
+def record_of_now(folder, step):
+    """The record, or None, and whether the step runs. One that says so, though nothing runs, may have ended since it was read."""
+    while True:
+        record = read_record(folder, step)
+        runs = is_running(folder, step)
+        if runs or not record or record["state"] != "running" or record == read_record(folder, step):
+            return record, runs
 
 
 def is_running(folder, step):
@@ -88,7 +100,7 @@ def as_text(graph, folder, statuses):
 
 
 def next_steps(counts, statuses):
-    held = [s.why.split()[2] for s in statuses if s.state == "waiting" and "held" in s.why]
+    held = [s.job for s in statuses if "held" in s.reason.lower()]
     if held:
         release = f"scontrol release {' '.join(held[:5])}"
         yield f"Slurm holds {len(held)} steps: scontrol update nodename=NODE state=resume where a node is drained, then {release}"
