@@ -18,6 +18,7 @@ constexpr double kTie = 1e-6; // of t
 constexpr double kNearTie = 1e-6;
 constexpr double kSameDistance = 1e-5;
 constexpr double kGrazing = 1e-3;
+constexpr double kAcross = 1e-4;
 constexpr double kRounding = 1e-6;        // of a triangle's edges
 constexpr double kAside[] = {1e-6, 1e-7}; // the second one for needles
 constexpr int kNeighbours = 16;           // at each distance
@@ -123,7 +124,7 @@ bool isDisplaced(const Mesh& mesh, const QueryRay& ray, const QueryHit& hit) {
     const double across = glm::length(glm::cross(apart, glm::normalize(direction)));
     const double size = sizeOf(ray, distanceOf(hit));
     const double rounding = kRounding * (glm::length(ab) + glm::length(ac));
-    return across > kSameDistance * size + rounding || std::abs(along) > kGrazing * size + rounding;
+    return across > kAcross * size + rounding || std::abs(along) > kGrazing * size + rounding;
 }
 
 } // namespace

@@ -60,7 +60,7 @@ HitCounts compareHits(const TracedRays& traced);
 void excuseEdges(const EmbreeTracer& tracer, const TracedRays& traced, HitCounts& counts);
 
 /// Moves to Wrong what is in no class of faults, but whose triangle has its point u, v not where the ray is
-/// at t: farther across the ray than 1e-5 of the size, or along it than 1e-3, beside roundings of 1e-6 of the
+/// at t: farther across the ray than 1e-4 of the size, or along it than 1e-3, beside roundings of 1e-6 of the
 /// triangle's edges. t alone may be right by chance, or of another triangle. For any-hit queries nothing is
 /// looked at. Call it last.
 void findDisplaced(const Mesh& mesh, const TracedRays& traced, HitCounts& counts);
