@@ -1,7 +1,7 @@
 # Chains of the tools as CMake targets. Each function makes a target NAME and files NAME.* in the current binary folder;
 # NAME.json holds the tool's figures. A step runs where one of the files that it reads, its options or its tool changed in
-# content; a step whose output came out the same runs none of those after it. Hits, which do not say what they were made of,
-# are made where such a file is newer, and comparisons whenever CTest runs.
+# content; a step whose output came out the same runs none of those after it. Comparisons run
+# whenever CTest does.
 #
 #   rt_add_scene(NAME MODELS file... [ARGS ...])                                                   NAME.rtmesh
 #   rt_add_atlas(NAME SCENE scene [STRUCTURE s] [QUALITY q] [RESOLUTION r] [ARGS ...])         NAME.rtatlas
@@ -187,7 +187,7 @@ function(rt_add_query name)
     set(atlas ${CMAKE_CURRENT_BINARY_DIR}/${ARG_ATLAS}.rtatlas)
     _rt_device(device_options 0)
     _rt_step(${name} ${RT_TRACE} rt_device_0 OUTPUTS ${hits} INPUTS ${atlas} ${ARG_RAYS}
-             ARGS ${atlas} --rays ${ARG_RAYS} -o ${hits} ${device_options} ${ARG_ARGS})
+             ARGS ${atlas} --rays ${ARG_RAYS} -o ${hits} --if-changed ${device_options} ${ARG_ARGS})
     _rt_target(${name} ${ARG_ATLAS} ${hits})
 endfunction()
 

@@ -4,6 +4,7 @@
 #   hall.rtmesh: RT_MODELS = a/b.obj c.ply                or of these
 #   hall.rtatlas: hall.rtmesh                             an atlas of a mesh
 #   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
+#   query.hits: hall.rtatlas sun.rays                     what rt-trace --rays finds for these rays
 #   view.passed: view.exr goldens/view.exr                two pictures compared; is not there as long as they differ, and made
 #                                                         each time, so that what is made of it is too
 #   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
@@ -17,6 +18,7 @@ RT_MODELS ?=
 RT_IMPORT_FLAGS ?=
 RT_GRID_FLAGS ?=
 RT_TRACE_FLAGS ?=
+RT_QUERY_FLAGS ?=
 RT_COMPARE_FLAGS ?=
 
 rt_comma := ,
@@ -47,6 +49,10 @@ rt_trace = set -- $(or $(subst $(rt_comma), ,$(RT_DEVICES)),auto); shift $$(expr
 	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
 %.exr %.png: rt-always
 	@$(if $(filter %.rtatlas,$^)$(if $(wildcard $@),,missing),$(if $(call rt_inputs,%.rtatlas,$(rt_golden_hint)),$(rt_trace)),:)
+
+%.hits: rt-always
+	$(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) --rays $(call rt_inputs,%.rays) -o $@ \
+	$(if $(filter-out auto,$(RT_DEVICES)),--device $(firstword $(subst $(rt_comma), ,$(RT_DEVICES)))) $(rt_common) $(RT_QUERY_FLAGS)
 
 %.passed: rt-always
 	@rm -f $@

@@ -312,6 +312,39 @@ TEST_F(IfChanged, AllFramesCount) {
     EXPECT_FALSE(trace());
 }
 
+// Hits are bare numbers; their report says what they were made of, and which hits it is the report of.
+TEST_F(IfChanged, HitsAreThoseOfTheirReport) {
+    const auto writeRays = [](float x) {
+        const float ray[] = {x, 0.25f, 3.0f, 0.0f, 0.0f, 0.0f, -1.0f, 1e30f};
+        write("a.rays", std::string(reinterpret_cast<const char*>(ray), sizeof ray));
+    };
+    writeRays(0.25f);
+    step("trace").options = {"--rays", "a.rays", "--device", "software"};
+    step("trace").outputs = {"a.hits", "trace.json"};
+    steps_.pop_back();
+    EXPECT_EQ(chain(), "import grid trace");
+    EXPECT_EQ(chain(), "");
+    const std::string hits = readText("a.hits");
+    const Row rows[] = {
+        {"the rays", [&] { writeRays(0.5f); }, "trace"},
+        {"hits of others", [&] { write("a.hits", hits); }, "trace"},
+        {"damaged hits", [] { damage("a.hits"); }, "trace"},
+        {"hits that are gone", [] { fs::remove("a.hits"); }, "trace"},
+        {"a damaged report", [] { damage("trace.json"); }, "trace"},
+        {"the query", [&] { step("trace").options.push_back("--any-hit"); }, "trace"},
+        {"the atlas",
+         [&] {
+             step("grid").options.insert(step("grid").options.end(), {"--resolution", "7"});
+         },
+         "grid trace"},
+    };
+    for (const Row& row : rows) {
+        row.make();
+        EXPECT_EQ(chain(), row.runs) << "changed: " << row.change;
+        EXPECT_EQ(chain(), "") << "again, after: " << row.change;
+    }
+}
+
 TEST_F(IfChanged, WhatCannotBeLookedAtIsRefused) {
     write("rays.f32", "");
     const std::string import = tools_["import"], grid = tools_["grid"], trace = tools_["trace"],

@@ -242,6 +242,8 @@ TEST_F(CMakePipeline, AQueryFindsTheHitsOfItsRays) {
     EXPECT_EQ(report("query").at("hits"), 1);
     EXPECT_EQ(report("query").at("anyHit"), true);
     expectNothingToDo();
+    touch("few.rays");
+    EXPECT_THAT(build().out, HasSubstr("up to date"));
     write("few.rays", ray(0.1f, 1.0f) + ray(0.2f, 1.0f) + ray(0.1f, -1.0f));
     touch("few.rays");
     EXPECT_EQ(build().exitCode, 0);
@@ -261,6 +263,7 @@ protected:
                           "$(FRAMES:%=%.exr): coarse.rtatlas\n"
                           "RT_TRACE_FLAGS = --size 16x8 --turntable 12\n"
                           "$(FRAMES:%=%.passed): %.passed: %.exr goldens/%.exr\n"
+                          "down.hits: coarse.rtatlas down.rays\nRT_QUERY_FLAGS = --any-hit\n"
                           "update-goldens: $(FRAMES:%=%.exr)\n\tcp $^ goldens/\n");
     }
 
@@ -301,6 +304,17 @@ TEST_F(MakePipeline, FramesAreHeldAgainstGoldens) {
     EXPECT_NE(changed.exitCode, 0);
     EXPECT_THAT(changed.out, HasSubstr("verdict: fail"));
     EXPECT_FALSE(std::filesystem::exists(folder_.file("turn.0008.passed")));
+}
+
+TEST_F(MakePipeline, AQueryFindsTheHitsOfItsRays) {
+    EXPECT_THAT(make("down.hits").err, HasSubstr("down.rays"));
+    const float ray[] = {0.1f, 0.1f, -1.0f, 0.0f, 0.0f, 0.0f, 1.0f, 1e30f};
+    write("down.rays", std::string(reinterpret_cast<const char*>(ray), sizeof ray));
+    const CommandResult made = make("down.hits");
+    EXPECT_EQ(made.exitCode, 0) << made.err;
+    EXPECT_THAT(made.out, HasSubstr("--any-hit"));
+    EXPECT_EQ(std::filesystem::file_size(folder_.file("down.hits")), 16u);
+    EXPECT_THAT(make("down.hits").err, HasSubstr("up to date: down.hits"));
 }
 
 TEST_F(MakePipeline, AFrameIsThatOfADirectCall) {

@@ -12,11 +12,11 @@
 namespace {
 
 void trace(const rt::TraceOptions& options) {
+    const rt::PictureRecipes recipes = rt::recipesOf(options);
     if (options.raysPath.empty()) {
-        const rt::PictureRecipes recipes = rt::recipesOf(options);
         if (!rt::isUpToDate(options, recipes)) rt::traceScene(options, recipes);
     } else {
-        rt::traceRays(options);
+        if (!rt::areHitsUpToDate(options, recipes.own)) rt::traceRays(options, recipes.own);
     }
     std::vector<std::string> files;
     for (const rt::RecipeInput& input : rt::inputsOf(options)) files.push_back(input.path);

@@ -152,10 +152,11 @@ void checkPaths(const TraceOptions& options) {
 }
 
 void checkBuild(const TraceOptions& options) {
-    if (options.common.ifChanged && (!options.raysPath.empty() || options.explain))
-        throw Error(ErrorKind::Usage, fmt::format("--if-changed does not go with {}",
-                                                  options.explain ? "--explain, which prints every time"
-                                                                  : "--rays: hits carry no recipe"));
+    if (options.common.ifChanged && options.explain)
+        throw Error(ErrorKind::Usage, "--if-changed does not go with --explain, which prints every time");
+    if (options.common.ifChanged && !options.raysPath.empty() && options.common.jsonPath.empty())
+        throw Error(ErrorKind::Usage,
+                    "--if-changed with --rays needs --json FILE, which says what the hits were made of");
     if (!options.listCameras)
         checkBuildOptions(options.common, {options.scenePath, options.raysPath, options.cameraPath},
                           outputsOf(options));

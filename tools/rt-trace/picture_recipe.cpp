@@ -4,7 +4,9 @@
 #include "formats/image_attributes.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <fstream>
 #include <map>
 
 namespace rt {
@@ -68,6 +70,17 @@ bool isUpToDate(const TraceOptions& options, const PictureRecipes& recipes) {
     if (!options.common.jsonPath.empty()) add(options.common.jsonPath, recipeOfReport(options, recipes.own));
     const auto isMade = [&](const std::string& output) { return carries(output, wanted.at(output)); };
     return isUpToDate(options.common, outputs, isMade);
+}
+
+bool areHitsUpToDate(const TraceOptions& options, const Recipe& recipe) {
+    const std::string& report = options.common.jsonPath;
+    const auto isMade = [&](const std::string& output) {
+        if (output == report) return carries(report, recipe);
+        const nlohmann::json json = nlohmann::json::parse(std::ifstream(report), nullptr, false);
+        const std::optional<std::string> id = contentIdOf(output);
+        return id && json.is_object() && json.value(kHitsIdKey, nlohmann::json()) == *id;
+    };
+    return isUpToDate(options.common, {report, options.outputPaths[0]}, isMade);
 }
 
 } // namespace rt

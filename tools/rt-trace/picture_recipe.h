@@ -28,4 +28,9 @@ void addRecipes(Image& image, const PictureRecipes& recipes);
 /// Whether --if-changed is given and all pictures, of all frames, and the JSON file carry their recipes.
 bool isUpToDate(const TraceOptions& options, const PictureRecipes& recipes);
 
+/// The same of a ray query. Its JSON file carries the recipe, and the content id of the hits, which are bare
+/// numbers, as kHitsIdKey.
+bool areHitsUpToDate(const TraceOptions& options, const Recipe& recipe);
+inline constexpr const char* kHitsIdKey = "hitsId";
+
 } // namespace rt

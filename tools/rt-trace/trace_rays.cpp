@@ -1,9 +1,9 @@
 #include "tools/rt-trace/trace_rays.h"
 
 #include "common/error.h"
-#include "common/json_file.h"
 #include "common/log.h"
 #include "tools/rt-trace/load_scene.h"
+#include "tools/rt-trace/picture_recipe.h"
 #include "tools/rt-trace/ray_order.h"
 #include "tools/rt-trace/ray_query.h"
 #include "tools/rt-trace/report.h"
@@ -124,8 +124,8 @@ Traced trace(const TraceOptions& options, const GpuScene& scene, std::span<const
                         context.device().software, stages);
 }
 
-void writeReport(const TraceOptions& options, const GpuScene& scene, const Traced& traced,
-                 const StageTimer& stages) {
+void writeReport(const TraceOptions& options, const Recipe& recipe, const GpuScene& scene,
+                 const Traced& traced, const StageTimer& stages) {
     if (options.common.jsonPath.empty()) return;
     nlohmann::json report;
     reportCommon(report, scene, stages);
@@ -141,12 +141,13 @@ void writeReport(const TraceOptions& options, const GpuScene& scene, const Trace
         report["minMs"] = traced.passesMs.front();
         report["repeat"] = options.repeat;
     }
-    writeJson(options.common.jsonPath, report);
+    if (const std::optional<std::string> id = contentIdOf(options.outputPaths[0])) report[kHitsIdKey] = *id;
+    writeReport(options.common.jsonPath, std::move(report), recipe);
 }
 
 } // namespace
 
-void traceRays(const TraceOptions& options) {
+void traceRays(const TraceOptions& options, const Recipe& recipe) {
     StageTimer stages;
     const SharedSpan<std::byte> rayBytes = readFile(options.raysPath, rayStream());
     const std::span<const QueryRay> rays = asRays(rayBytes, options.raysPath);
@@ -170,7 +171,7 @@ void traceRays(const TraceOptions& options) {
         figures += fmt::format(", {:.1f} Mrays/s", mraysPerSecond(rays.size(), traced.medianMs()));
     logInfo(figures);
     logStages(stages);
-    writeReport(options, scene, traced, stages);
+    writeReport(options, recipe, scene, traced, stages);
 }
 
 } // namespace rt
