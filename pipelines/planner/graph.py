@@ -8,7 +8,7 @@ import pathlib
 import re
 
 from planner.errors import FILE_ACCESS, INVALID_CONTENT, PlanError
-from planner.files import read_text, write_whole
+from planner.files import parse_json, read_text, write_whole
 
 VERSION = 1
 CHUNK = 1000  # Slurm's arrays end at 1000 where nobody changed MaxArraySize, Open Job Description's ranges at 1024
@@ -100,7 +100,7 @@ def load_step(folder, id):
     start = f'{{"id": {json.dumps(id)}, '
     line = next((line for line in read_text(graph_path(folder)).splitlines() if line.startswith(start)), None)
     try:
-        return Step(**json.loads(line.rstrip(","))) if line else None
+        return Step(**parse_json(line.rstrip(","))) if line else None
     except (ValueError, TypeError):
         return None
 
@@ -110,7 +110,7 @@ def load_graph(folder):
     if not path.exists():
         raise PlanError(FILE_ACCESS, f"{folder}: is not the folder of a run: it has no plan.json; name one that plan wrote to")
     try:
-        content = json.loads(read_text(path))
+        content = parse_json(read_text(path))
         if content.pop("planVersion") != VERSION:
             raise PlanError(INVALID_CONTENT, f"{path}: is of another version of plan; export the pipeline again")
         return Graph(**content | {"steps": [Step(**step) for step in content["steps"]]})
@@ -253,6 +253,8 @@ def add_comparison(builder, name, comparison, renders):
     """A step for each picture, because each has a page of its own."""
     pictures = renders[comparison["render"]]
     frames = frames_of(builder.description["renders"][comparison["render"]])
+    if "golden" in comparison:
+        check_goldens(builder, name, comparison, frames)
     number = ["" if frame is None else f".{frame:04d}" for frame in frames]
     if "golden" in comparison:
         references = [builder.source(golden_of(comparison["golden"], frame)) for frame in frames]
@@ -268,9 +270,19 @@ def add_comparison(builder, name, comparison, renders):
                  *builder.threads("compare", comparison), *options]  # fmt: skip
         builder.add("compare", id, f"compare-{name}", words, [picture["exr"], reference, *files], outputs, comparison,
                     stamp=outputs[0])  # fmt: skip
-        golden = reference if "golden" in comparison else ""
+        golden = reference if "golden" in comparison and reference not in builder.makers else ""
         made.append({"step": id, "page": f"{stem}.html", "figures": f"{stem}.json", "exr": picture["exr"], "golden": golden})
     return made
+
+
+def check_goldens(builder, name, comparison, frames):
+    """Throws PlanError if one is a picture of the render itself, which would always pass."""
+    own = {f"trace-{comparison['render']}", f"merge-{comparison['render']}"}
+    made = {output for step in builder.steps if step.group in own for output in step.outputs}
+    for frame in frames:
+        path = os.path.realpath(builder.source_folder / golden_of(comparison["golden"], frame))
+        if os.path.relpath(path, builder.run_folder) in made:
+            raise PlanError(INVALID_CONTENT, f"$.comparisons.{name}.golden: {path} is made by '{comparison['render']}' itself; name another file")
 
 
 def golden_of(golden, frame):
