@@ -38,12 +38,12 @@ def run_status(graph, folder, queue=None, is_silent=False):
 
 def blame_others(graph, statuses):
     """Slurm cancels an array if any step of those that it waited for fails."""
-    failed = {status.step.group: status.step.id for status in reversed(statuses) if status.state == "failed"}
+    culprits = {status.step.group: status for state in ("blocked", "failed") for status in reversed(statuses) if status.state == state}
     awaited = graph.group_dependencies()
     for status in statuses:
-        culprit = next((failed[group] for group in awaited[status.step.group] if group in failed), None)
+        culprit = next((culprits[group] for group in awaited[status.step.group] if group in culprits), None)
         if status.why == LOST and culprit:
-            status.why = f"{culprit} failed, and Slurm starts {status.step.group} after all of its group only"
+            status.why = f"{culprit.step.id} {culprit.state}, and Slurm starts {status.step.group} after all of {culprit.step.group} only"
 
 
 def step_status(step, folder, found, queue, is_silent):
