@@ -155,7 +155,7 @@ def verdict(folder, step, code, said, is_same):
 
 def why_failed(folder, step, code, said):
     if code > SIGNALLED:
-        limit = f" (Slurm's time limit of {step.resources['minutes']} minutes, or scancel?)"
+        limit = f" (Slurm's time limit of {step.resources['minutes']} min, or scancel?)"
         by_slurm = code - SIGNALLED == signal.SIGTERM and "SLURM_JOB_ID" in os.environ
         return f"ended by {signal_name(code - SIGNALLED)}" + (limit if by_slurm else "")
     if code == CANNOT_RUN:

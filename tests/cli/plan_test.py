@@ -574,7 +574,7 @@ class RunTest(PlanTest):
 
     def test_slurms_time_limit_is_thought_of(self):
         made = graph.build_graph(GOOD, "t", self.folder, self.folder)
-        for job, why in ({}, "ended by SIGTERM"), ({"SLURM_JOB_ID": "7"}, "ended by SIGTERM (Slurm's time limit of 30 minutes, or scancel?)"):
+        for job, why in ({}, "ended by SIGTERM"), ({"SLURM_JOB_ID": "7"}, "ended by SIGTERM (Slurm's time limit of 30 min, or scancel?)"):
             with unittest.mock.patch.dict(os.environ, job):
                 self.assertEqual(run_step.why_failed(self.folder, made.steps[0], 143, ""), why)
 
@@ -782,7 +782,8 @@ class RunTest(PlanTest):
         self.stand_in("mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
         self.call_here("tent.plan.json", "--ninja", "n")
         ninja = (self.folder / "n").read_text()
-        for wrong in (b"\xff", b"[" * 100000, b"[]", b'{"start": "x"}', b'{"start": NaN}'):
+        altered = (self.folder / "tent/plan.json").read_bytes().replace(b"trace-still", b"trace-stilt", 1)
+        for wrong in (b"\xff", b"[" * 100000, b"[]", b'{"start": "x"}', b'{"start": NaN}', altered):
             (self.folder / "n").write_bytes(wrong)
             self.call_here("tent.plan.json", "--ninja", "n")
             self.assertEqual((self.folder / "n").read_text(), ninja)
@@ -790,7 +791,7 @@ class RunTest(PlanTest):
                 (self.folder / "tent" / name).write_bytes(wrong)
                 if name == "plan.json":
                     self.assertRegex(self.call_here("status", "tent", expect=3 if wrong == b"\xff" else 4), r"^plan: error: tent/plan.json: .*\n$")
-                    self.assertRegex(self.call_here("step", "tent", "import-tent", expect=3 if wrong == b"\xff" else 2), r"^plan: error: .*\n$")
+                    self.assertRegex(self.call_here("step", "tent", "import-tent", expect=3 if wrong == b"\xff" else 4), r"^plan: error: .*\n$")
                 else:
                     self.call_here("report", "tent", "-o", "page.html")
                 self.call_here("run", "tent.plan.json")
