@@ -38,7 +38,7 @@ def run_status(graph, folder, queue=None, is_silent=False):
 
 def blame_others(graph, statuses):
     """Slurm cancels an array if any step of those that it waited for fails."""
-    culprits = {status.step.group: status for state in ("blocked", "failed") for status in reversed(statuses) if status.state == state}
+    culprits = {status.step.group: status for status in reversed(statuses) if status.state in ("failed", "blocked")}
     awaited = graph.group_dependencies()
     for status in statuses:
         culprit = next((culprits[group] for group in awaited[status.step.group] if group in culprits), None)
@@ -135,7 +135,7 @@ def next_steps(counts, statuses, is_at_work):
     elif queued and not counts["running"]:
         yield f"wait for Slurm, which has {len(queued)} steps in its queue" + (f" ({reasons})" if reasons else "")
     elif counts["blocked"] + counts["waiting"] and not counts["running"] + is_at_work:
-        yield AGAIN
+        yield AGAIN if counts["blocked"] else f"if no engine is at work, {AGAIN}"
 
 
 def as_json(graph, folder, statuses):

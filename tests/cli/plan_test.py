@@ -541,6 +541,12 @@ class RunTest(PlanTest):
         self.assertEqual(statuses["merge-around-0002"].why, "trace-around-0002-1of2 failed")
         self.assertEqual(statuses["compare-same-0001"].why, "merge-around-0001 blocked")
         self.assertEqual(statuses["trace-still"].why, status.LOST)
+        merge = next(step for step in made.steps if step.id == "merge-around-0001")
+        (folder / merge.outputs[0]).touch()
+        (folder / merge.outputs[1]).touch()
+        run_step.save_record(folder, merge, "done", [ended])  # by an earlier run
+        why = status.run_status(made, folder, {"trace-whole-0001": ("7_1", "PENDING", "Resources")})[-2].why
+        self.assertEqual(why, "merge-around-0002 blocked, and Slurm starts compare-same after all of merge-around only")
         text = status.as_text(made, folder, statuses.values())
         self.assertRegex(text, r"\nnext: see the logs of what failed, mend it, and when the rest has ended, run the pipeline again")
 
@@ -550,7 +556,7 @@ class RunTest(PlanTest):
         folder, made = self.folder / "tent", graph.load_graph(self.folder / "tent")
         said = lambda queue: status.as_text(made, folder, status.run_status(made, folder, queue)).splitlines()[-1]  # noqa: E731
         all_of = lambda *said_of_all: {step.id: said_of_all for step in made.steps}  # noqa: E731
-        self.assertRegex(said(None), "next: run the pipeline again")
+        self.assertRegex(said(None), "next: if no engine is at work, run the pipeline again")
         with run_here.run_lock(folder):
             self.assertEqual(said(None), "tent: 3 steps: 3 waiting")
         self.assertEqual(said(all_of("7_1", "PENDING", "Dependency")), "next: wait for Slurm, which has 3 steps in its queue")
@@ -583,7 +589,7 @@ class RunTest(PlanTest):
         self.describe(json.loads(json.dumps(GOOD).replace('"tent"', '"held"')))
         self.stand_in("")
         self.call("tent.plan.json", "--ninja", "n")
-        self.assertRegex(self.call("status", "tent", expect=10), r"waiting +trace-still +for grid-held\n[^:]+: 12 steps: 12 waiting\nnext: run the")
+        self.assertRegex(self.call("status", "tent", expect=10), r"waiting +trace-still +for grid-held\n[^:]+: 12 steps: 12 waiting\nnext: if no engine is at work, run the")
 
     def test_programs_that_do_not_answer_are_named(self):
         self.stand_in("")
@@ -771,6 +777,7 @@ class RunTest(PlanTest):
         wrongs = [{"attempts": 1}, {"attempts": []}, {"attempts": [1]}, {"attempts": [{}]}, {"files": []}, {"state": "?"}]
         values = {"start": ("x", None, -1, 1e999), "end": ("x", None, []), "exitCode": (None, "0"), "host": (1,), "slot": (None,), "why": ([],)}
         wrongs += [{"attempts": [content["attempts"][0] | {key: value}]} for key in values for value in values[key]]
+        wrongs += [{"attempts": [content["attempts"][0] | {"end": "x"}, content["attempts"][0]]}]
         wrongs += [{"attempts": [{key: value for key, value in content["attempts"][0].items() if key != left_out}]} for left_out in values]
         for wrong in (b"", b"[]", b"{", b"[" * 100000, b'{"\xff": 1}', *(json.dumps(content | wrong).encode() for wrong in wrongs)):
             path.write_bytes(wrong)
