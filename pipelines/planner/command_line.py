@@ -16,7 +16,7 @@ from planner.help_text import Parser, whole_number
 from planner.report import RUN
 from planner.run_here import Scheduler, run_lock
 from planner.run_step import find_step, run_step
-from planner.slurm_queue import JOBS
+from planner.slurm_queue import JOBS, SlurmSilent, queued_steps
 from planner.versions import check_programs, folder_of_tools, version_of, versions_of
 
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "plan"
@@ -197,15 +197,28 @@ def step_command(options):
     folder = pathlib.Path(os.path.abspath(options.folder))
     step = find_step(folder, options.step)
     with passed_on() as running:
-        return run_step(folder, step, running, version_of(step.argv[0]), options.retries, options.touch)[-1]["exitCode"]
+        last = run_step(folder, step, running, version_of(step.argv[0]), options.retries, options.touch)[-1]
+    if last["exitCode"]:
+        print(f"{NAME}: error: {step.id}: {last['why']}  [{folder / step.log}]", file=sys.stderr)
+    return last["exitCode"]
 
 
 def status_command(options):
     return print_status(load_graph(options.folder), options.folder, options.json)
 
 
+def statuses_of(graph, folder):
+    """By the records alone where Slurm does not answer."""
+    try:
+        queue = queued_steps(folder)
+    except SlurmSilent as error:
+        print(f"{NAME}: warning: {error}", file=sys.stderr)
+        return status.run_status(graph, folder, None, is_silent=True)
+    return status.run_status(graph, folder, queue)
+
+
 def print_status(graph, folder, as_json):
-    statuses = status.run_status(graph, folder)
+    statuses = statuses_of(graph, folder)
     if as_json:
         print(json.dumps(status.as_json(graph, folder, statuses), indent=1))
     else:
@@ -217,7 +230,7 @@ def report_command(options):
     if not options.output and not options.junit:
         raise PlanError(USAGE, "neither -o nor --junit: there is nothing to write")
     graph = load_graph(options.folder)
-    statuses = status.run_status(graph, options.folder)
+    statuses = statuses_of(graph, options.folder)
     if options.output:
         write_whole(options.output, report.page(graph, options.folder, statuses, options.output))
     if options.junit:

@@ -4,7 +4,7 @@ import pathlib
 import re
 
 from planner.errors import INVALID_CONTENT, PlanError
-from planner.files import is_printable, read_text
+from planner.files import is_printable, parse_json, read_text
 from planner.schema import first_fault
 from planner.tool_options import DECIDED, faults_of_options, value_of
 
@@ -16,11 +16,9 @@ SCHEMA = pathlib.Path(__file__).resolve().parent.parent / "plan.schema.json"
 def read_description(path):
     """The checked content, whose names all lead somewhere. Throws PlanError with the JSON path of the first fault."""
     try:
-        content = json.loads(read_text(path), object_pairs_hook=without_repeats)
+        content = parse_json(read_text(path), object_pairs_hook=without_repeats)
     except ValueError as error:
         raise PlanError(INVALID_CONTENT, f"{path}: {error}") from None
-    except RecursionError:
-        raise PlanError(INVALID_CONTENT, f"{path}: is nested too deeply for a pipeline description") from None
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     fault = next(faults_of_characters(content, "$"), None) or first_fault(content, schema, schema)
     fault = fault or next(faults_of(content, path.parent), None)

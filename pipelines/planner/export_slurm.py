@@ -36,6 +36,10 @@ set -eu
 cd {folder}
 mkdir -p logs
 list=slurm-jobs.tsv.$$
+if [ -e slurm-jobs.tsv ] && squeue -h --me -o %F | grep -qxF "$(cut -f1 slurm-jobs.tsv)"; then
+    echo "$0: error: Slurm still has jobs of this run; wait for them, or take them back:" scancel $(cut -f1 slurm-jobs.tsv) >&2
+    exit 3
+fi
 jobs=
 note() {{ printf '%s\\t%s\\n' "$1" "$2" >>"$list"; jobs="$jobs${{jobs:+:}}$1"; }}
 : >"$list"

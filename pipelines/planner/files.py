@@ -1,6 +1,7 @@
 """Files that appear whole or not at all, locks, and signals for those who wait for them."""
 import contextlib
 import fcntl
+import json
 import os
 import pathlib
 import signal
@@ -19,6 +20,19 @@ def is_printable(name):
     return not any(unicodedata.category(c) in ("Cc", "Cs") for c in name)
 
 
+def printable(text):
+    """What terminals and XML take without doing something else."""
+    return "".join(c if c in "\n\t" or is_printable(c) else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def parse_json(text, **more):
+    """The content. Throws ValueError for all that is none, also what is nested too deeply."""
+    try:
+        return json.loads(text, **more)
+    except RecursionError:
+        raise ValueError("is nested too deeply") from None
+
+
 def read_text(path):
     try:
         return path.read_text(encoding="utf-8")
@@ -26,22 +40,29 @@ def read_text(path):
         raise PlanError(FILE_ACCESS, f"{path}: cannot be read: {getattr(error, 'strerror', None) or error}") from None
 
 
-def write_whole(path, text, executable=False):
-    """A reader sees the old file or the new one, also after a crash. A file that holds the text already stays as it is."""
+def write_whole(path, text, executable=False, locked=False):
+    """A reader sees the old file or the new one, also after a crash. A file that holds the text already stays as it is.
+
+    `locked`: nobody else writes it meanwhile, so that what a writer that was killed left is used again.
+    """
     content = text.encode()
     with contextlib.suppress(OSError):
         if path.read_bytes() == content:
             return
-    with replacement(path, content, executable) as replace:
+    with replacement(path, content, executable, locked) as replace:
         replace()
 
 
 @contextlib.contextmanager
-def replacement(path, content, executable=False):
+def replacement(path, content, executable=False, locked=False):
     """Writes the content beside `path`; gives a function that puts it there. What was not put there is removed."""
     with says_what(path):
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name[:50] + ".tmp.")
+        if locked:
+            name = f"{path}.tmp"
+            handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+        else:
+            handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name[:50] + ".tmp.")
 
     def replace():
         with says_what(path):

@@ -6,9 +6,10 @@ COLORS = {"import": "#8a6fb8", "grid": "#4d86c4", "trace": "#d98b2b", "merge": "
 FAILED = "#c0392b"
 
 
-def gantt(statuses):
-    """Nothing if no step ran."""
-    bars = [(status, attempt) for status in statuses for attempt in status.attempts if attempt.get("end") or status.state == "running"]
+def gantt(statuses, run_start):
+    """Without what ran before the run began."""
+    bars = [(status, attempt) for status in statuses for attempt in status.attempts
+            if attempt["start"] >= run_start and (attempt["end"] or status.state == "running")]  # fmt: skip
     if not bars:
         return "<p>No step ran.</p>"
     begin = min(attempt["start"] for _, attempt in bars)

@@ -10,7 +10,7 @@ import re
 from planner.errors import FILE_ACCESS, INVALID_CONTENT, PlanError
 from planner.files import read_text, write_whole
 
-VERSION = 1
+VERSION = 2
 CHUNK = 1000  # Slurm's arrays end at 1000 where nobody changed MaxArraySize, Open Job Description's ranges at 1024
 RETRIES = 2  # of a step, where Slurm or Open Job Description runs it
 RESOURCES = {
@@ -90,32 +90,38 @@ def graph_path(folder):
 
 def save_graph(graph, folder):
     """Each step has a line, so that a step finds its own among many without reading all."""
-    head, rest = ({"planVersion": VERSION, "name": graph.name}, {"renders": graph.renders, "comparisons": graph.comparisons})
+    rest = json.dumps({"name": graph.name, "renders": graph.renders, "comparisons": graph.comparisons})
     steps = ",\n".join(json.dumps(vars(step)) for step in graph.steps)
-    write_whole(graph_path(folder), f'{json.dumps(head)[:-1]}, "steps": [\n{steps}\n],\n{json.dumps(rest)[1:]}\n')
+    body = f'"steps": [\n{steps}\n],\n{rest[1:]}\n'
+    write_whole(graph_path(folder), f"{first_line(body)}\n{body}")
+
+
+def first_line(body):
+    return f'{{"planVersion": {VERSION}, "sha256": "{hashlib.sha256(body.encode()).hexdigest()}",'
+
+
+def read_graph(folder):
+    """The text, as save_graph wrote it; else throws PlanError."""
+    path = graph_path(folder)
+    if not path.exists():
+        raise PlanError(FILE_ACCESS, f"{folder}: is not the folder of a run: it has no plan.json; name one that plan wrote to")
+    text = read_text(path)
+    head, _, body = text.partition("\n")
+    if head != first_line(body):
+        raise PlanError(INVALID_CONTENT, f"{path}: is damaged or of another version of plan; export the pipeline again")
+    return text
 
 
 def load_step(folder, id):
     """The step, or None."""
     start = f'{{"id": {json.dumps(id)}, '
-    line = next((line for line in read_text(graph_path(folder)).splitlines() if line.startswith(start)), None)
-    try:
-        return Step(**json.loads(line.rstrip(","))) if line else None
-    except (ValueError, TypeError):
-        return None
+    line = next((line for line in read_graph(folder).splitlines() if line.startswith(start)), None)
+    return Step(**json.loads(line.rstrip(","))) if line else None
 
 
 def load_graph(folder):
-    path = graph_path(folder)
-    if not path.exists():
-        raise PlanError(FILE_ACCESS, f"{folder}: is not the folder of a run: it has no plan.json; name one that plan wrote to")
-    try:
-        content = json.loads(read_text(path))
-        if content.pop("planVersion") != VERSION:
-            raise PlanError(INVALID_CONTENT, f"{path}: is of another version of plan; export the pipeline again")
-        return Graph(**content | {"steps": [Step(**step) for step in content["steps"]]})
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise PlanError(INVALID_CONTENT, f"{path}: is no graph that plan wrote; export the pipeline again") from None
+    content = json.loads(read_graph(folder))
+    return Graph(content["name"], [Step(**step) for step in content["steps"]], content["renders"], content["comparisons"])
 
 
 class Builder:
@@ -253,6 +259,8 @@ def add_comparison(builder, name, comparison, renders):
     """A step for each picture, because each has a page of its own."""
     pictures = renders[comparison["render"]]
     frames = frames_of(builder.description["renders"][comparison["render"]])
+    if "golden" in comparison:
+        check_goldens(builder, name, comparison, frames)
     number = ["" if frame is None else f".{frame:04d}" for frame in frames]
     if "golden" in comparison:
         references = [builder.source(golden_of(comparison["golden"], frame)) for frame in frames]
@@ -268,9 +276,19 @@ def add_comparison(builder, name, comparison, renders):
                  *builder.threads("compare", comparison), *options]  # fmt: skip
         builder.add("compare", id, f"compare-{name}", words, [picture["exr"], reference, *files], outputs, comparison,
                     stamp=outputs[0])  # fmt: skip
-        golden = reference if "golden" in comparison else ""
+        golden = reference if "golden" in comparison and reference not in builder.makers else ""
         made.append({"step": id, "page": f"{stem}.html", "figures": f"{stem}.json", "exr": picture["exr"], "golden": golden})
     return made
+
+
+def check_goldens(builder, name, comparison, frames):
+    """Throws PlanError if one is a picture of the render itself, which would always pass."""
+    own = {f"trace-{comparison['render']}", f"merge-{comparison['render']}"}
+    made = {output for step in builder.steps if step.group in own for output in step.outputs}
+    for frame in frames:
+        path = os.path.realpath(builder.source_folder / golden_of(comparison["golden"], frame))
+        if os.path.relpath(path, builder.run_folder) in made:
+            raise PlanError(INVALID_CONTENT, f"$.comparisons.{name}.golden: {path} is made by '{comparison['render']}' itself; name another file")
 
 
 def golden_of(golden, frame):

@@ -1,12 +1,12 @@
 """One page of a run, without any other file but the comparisons' own pages and logs that it links to."""
 import base64
 import html
-import json
 import os
 
-from planner.files import tail
+from planner.files import parse_json, tail
 from planner.gantt import COLORS, FAILED, gantt
 from planner.junit import seconds
+from planner.run_step import is_time
 from planner.thumbnail import thumbnail
 
 RUN = "run.json"  # when `plan run` began
@@ -32,7 +32,7 @@ def page(graph, folder, statuses, target):
     sections = [
         ("Comparisons", comparisons(graph, folder, by_id, base)),
         ("Pictures", pictures(graph, folder, by_id)),
-        ("Times", gantt(statuses) + key()),
+        ("Times", gantt(statuses, start_of_run(folder)) + key()),
         ("What failed", failures(folder, statuses)),
         ("Skipped or not run, and why", untouched(statuses, folder)),
         ("Steps", steps(statuses, folder, base)),
@@ -68,7 +68,7 @@ def comparison(name, item, folder, status, base):
 def figures(path):
     """What rt-compare says of the colours, or nothing."""
     try:
-        pair = json.loads(path.read_text(encoding="utf-8"))["pairs"][0]
+        pair = parse_json(path.read_text(encoding="utf-8"))["pairs"][0]
         layer = next(layer for layer in pair["layers"] if layer["name"] == "color")
         return f"RMSE {layer['rmse']:.4g}"
     except (OSError, ValueError, LookupError, TypeError, StopIteration):
@@ -120,9 +120,10 @@ def untouched(statuses, folder):
 def start_of_run(folder):
     """When `plan run` began; 0 of other engines, of which nobody knows when they began."""
     try:
-        return json.loads((folder / RUN).read_text(encoding="utf-8"))["start"]
-    except (OSError, ValueError, KeyError):
+        start = parse_json((folder / RUN).read_text(encoding="utf-8"))["start"]
+    except (OSError, ValueError, KeyError, TypeError):
         return 0
+    return start if is_time(start) else 0
 
 
 def steps(statuses, folder, base):

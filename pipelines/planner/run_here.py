@@ -10,11 +10,13 @@ from planner.files import open_lock, try_lock
 from planner.freshness import is_current
 from planner.run_step import read_record, run_step
 
+RUN_LOCK = "run.lock"
+
 
 @contextlib.contextmanager
 def run_lock(folder):
     """Throws PlanError if `plan run` is at work there."""
-    lock = open_lock(folder / "run.lock")
+    lock = open_lock(folder / RUN_LOCK)
     try:
         if not try_lock(lock):
             raise PlanError(FILE_ACCESS, f"{folder}: another run of it is at work; wait for its end, or name another folder with -o")

@@ -10,7 +10,7 @@ import time
 
 from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
-from planner.files import open_lock, try_lock, write_whole
+from planner.files import open_lock, parse_json, printable, try_lock, write_whole
 from planner.freshness import signature, signatures
 from planner.graph import load_step
 from planner.versions import REMEDY
@@ -63,12 +63,26 @@ def step_lock(folder, step, running):
 def read_record(folder, step):
     """What the last run left, or None. A record of other options, or that is none of ours, does not count."""
     try:
-        record = json.loads((folder / step.record).read_bytes())
+        record = parse_json((folder / step.record).read_bytes())
         is_ours = record["token"] == step.token and record["state"] in STATES and isinstance(record.get("files", {}), dict)
-        is_whole = record["attempts"] and all(ATTEMPT.keys() <= attempt.keys() for attempt in record["attempts"])
-        return record if is_ours and is_whole else None
-    except (FileNotFoundError, NotADirectoryError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        is_whole = all(map(is_attempt, record["attempts"])) and (record["state"] == "running" or has_ended(record["attempts"][-1]))
+        return record if is_ours and record["attempts"] and is_whole else None
+    except (FileNotFoundError, NotADirectoryError, ValueError, LookupError, TypeError, AttributeError):
         return None
+
+
+def is_attempt(content):
+    is_said = all(isinstance(content[key], str) for key in ("host", "slot", "why"))
+    return is_said and is_time(content["start"]) and (has_ended(content) or content["end"] is None)
+
+
+def has_ended(attempt):
+    return isinstance(attempt["exitCode"], int) and is_time(attempt["end"])
+
+
+def is_time(content):
+    """Seconds since 1970, and not those of a damaged file."""
+    return isinstance(content, (int, float)) and 0 <= content < 1e11
 
 
 def interrupted_attempts(folder, step):
@@ -130,18 +144,20 @@ def execute(folder, step, environment, handles, number, running):
 def verdict(folder, step, code, said, is_same):
     """(exit code, state, why). `is_same`: the tool left all outputs as they were (--if-changed)."""
     if code == 0 and step.stamp:
-        write_whole(folder / step.stamp, step.token + "\n")
+        write_whole(folder / step.stamp, step.token + "\n", locked=True)
     missing = missing_outputs(folder, step)
     if code == 0 and missing:
         return INTERNAL, "failed", f"did not write {missing[0]}"
     if code == 0:
         return (0, "skipped", "up to date") if is_same else (0, "done", "")
-    return code, "failed", why_failed(folder, step, code, said)
+    return code, "failed", printable(why_failed(folder, step, code, said))
 
 
 def why_failed(folder, step, code, said):
     if code > SIGNALLED:
-        return f"ended by {signal_name(code - SIGNALLED)}"
+        limit = f" (Slurm's time limit of {step.resources['minutes']} min, or scancel?)"
+        by_slurm = code - SIGNALLED == signal.SIGTERM and "SLURM_JOB_ID" in os.environ
+        return f"ended by {signal_name(code - SIGNALLED)}" + (limit if by_slurm else "")
     if code == CANNOT_RUN:
         return said
     if step.stage == "compare" and not (folder / step.inputs[1]).exists():
@@ -165,4 +181,4 @@ def signal_name(number):
 def save_record(folder, step, state, attempts, made=()):
     """`made`: the tool's version and the files' signatures, of a step that ended well."""
     content = {"id": step.id, "token": step.token, "state": state, "attempts": attempts, **dict(made)}
-    write_whole(folder / step.record, json.dumps(content, indent=1) + "\n")
+    write_whole(folder / step.record, json.dumps(content, indent=1) + "\n", locked=True)

@@ -9,6 +9,10 @@ JOBS = "slurm-jobs.tsv"  # job id, tasks file; written by submit.sh
 TIMEOUT_SECONDS = 60
 
 
+class SlurmSilent(PlanError):
+    """Nobody knows what is queued."""
+
+
 def queued_steps(folder):
     """{step id: (job, state, reason)}, say 12_3, PENDING, Resources, of what is queued or runs; None where nothing was submitted."""
     if not (folder / JOBS).exists():
@@ -30,6 +34,6 @@ def ask_squeue():
         result = subprocess.run(command, capture_output=True, text=True, check=True, timeout=TIMEOUT_SECONDS)
     except (OSError, subprocess.SubprocessError) as error:
         said = str(getattr(error, "stderr", "") or error).strip()
-        raise PlanError(FILE_ACCESS, f"Slurm does not say what is queued: squeue: {json.dumps(said)}; try again") from None
+        raise SlurmSilent(FILE_ACCESS, f"Slurm does not say what is queued: squeue: {json.dumps(said)}; try again") from None
     rows = (line.split("|", 2) for line in result.stdout.splitlines())
     return [(job, state, "" if reason == "None" else reason) for job, state, reason in rows]

@@ -5,12 +5,14 @@ import fcntl
 import os
 
 from planner.files import try_lock
+from planner.run_here import RUN_LOCK
 from planner.run_step import lock_path, missing_outputs, read_record
-from planner.slurm_queue import queued_steps
 
 FINISHED, FAILED, UNFINISHED = 0, 1, 10
 STATES = ("done", "skipped", "failed", "running", "waiting", "blocked")
 AGAIN = "run the pipeline again: what is done is not done again"  # with plan run, submit.sh, ninja or make
+LOST = "is not in Slurm's queue: cancelled, or lost"
+UNKNOWN = "?"
 
 
 @dataclasses.dataclass
@@ -19,20 +21,32 @@ class StepStatus:
     state: str  # one of STATES
     why: str
     attempts: list
-    job: str = ""  # of Slurm, that waits
+    job: str = ""  # of Slurm, that waits; UNKNOWN where Slurm does not answer
     reason: str = ""  # why Slurm lets it wait
 
 
-def run_status(graph, folder):
-    """The status of every step, in the graph's order."""
-    queue = queued_steps(folder)
+def run_status(graph, folder, queue=None, is_silent=False):
+    """The status of every step, in the graph's order. `queue`: that of Slurm, or None; `is_silent`: Slurm does not say it."""
     found = {}
     for step in graph.steps:
-        found[step.id] = step_status(step, folder, found, queue)
-    return list(found.values())
+        found[step.id] = step_status(step, folder, found, queue, is_silent)
+    statuses = list(found.values())
+    if queue is not None:
+        blame_others(graph, statuses)
+    return statuses
 
 
-def step_status(step, folder, found, queue):
+def blame_others(graph, statuses):
+    """Slurm cancels an array if any step of those that it waited for fails."""
+    culprits = {status.step.group: status for status in reversed(statuses) if status.state in ("failed", "blocked")}
+    awaited = graph.group_dependencies()
+    for status in statuses:
+        culprit = next((culprits[group] for group in awaited[status.step.group] if group in culprits), None)
+        if status.why == LOST and culprit:
+            status.why = f"{culprit.step.id} {culprit.state}, and Slurm starts {status.step.group} after all of {culprit.step.group} only"
+
+
+def step_status(step, folder, found, queue, is_silent):
     record, runs = record_of_now(folder, step)
     attempts = record["attempts"] if record else []
     if runs:
@@ -40,19 +54,22 @@ def step_status(step, folder, found, queue):
     if queue and step.id in queue:
         job, state, reason = queue[step.id]
         return StepStatus(step, "waiting", f"Slurm job {job} {state}" + (f" ({reason})" if reason else ""), attempts, job, reason)
+    stopped = next((id for id in step.depends_on if found[id].state in ("failed", "blocked")), None)
+    if stopped:
+        older = "; its outputs are of an earlier run" if record and record["state"] in ("done", "skipped") else ""
+        return StepStatus(step, "blocked", f"{stopped} {found[stopped].state}{older}", attempts)
     if record and record["state"] != "running":
         gone = missing_outputs(folder, step) if record["state"] in ("done", "skipped") else []
         if not gone:
             return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
         # Slurm has nothing that would make it again.
         return StepStatus(step, "waiting" if queue is None else "blocked", f"{gone[0]} is gone", attempts)
-    stopped = [id for id in step.depends_on if found[id].state in ("failed", "blocked")]
-    if stopped:
-        return StepStatus(step, "blocked", f"{stopped[0]} {found[stopped[0]].state}", attempts)
+    if is_silent:
+        return StepStatus(step, "waiting", "Slurm does not say whether it is queued", attempts, UNKNOWN)
     if record:
         return StepStatus(step, "failed", "cut off: its process ended without a word", attempts)
     if queue is not None:
-        return StepStatus(step, "blocked", "is not in Slurm's queue: cancelled, or lost", attempts)
+        return StepStatus(step, "blocked", LOST, attempts)
     awaited = [id for id in step.depends_on if found[id].state not in ("done", "skipped")]
     return StepStatus(step, "waiting", f"for {awaited[0]}" if awaited else "to be started", attempts)
 
@@ -67,8 +84,12 @@ def record_of_now(folder, step):
 
 
 def is_running(folder, step):
+    return is_held(lock_path(folder, step))
+
+
+def is_held(lock):
     try:
-        handle = os.open(lock_path(folder, step), os.O_RDONLY)  # a folder that may only be read has a status too
+        handle = os.open(lock, os.O_RDONLY)  # a folder that may only be read has a status too
     except FileNotFoundError:
         return False
     try:
@@ -96,18 +117,25 @@ def as_text(graph, folder, statuses):
     counts = collections.Counter(status.state for status in statuses)
     total = ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])
     lines = [line.rstrip() for line in lines] + [f"{graph.name}: {len(statuses)} steps: {total}"]
-    return "\n".join(lines + [f"next: {step}" for step in next_steps(counts, statuses)]) + "\n"
+    return "\n".join(lines + [f"next: {step}" for step in next_steps(counts, statuses, is_held(folder / RUN_LOCK))]) + "\n"
 
 
-def next_steps(counts, statuses):
+def next_steps(counts, statuses, is_at_work):
     held = [s.job for s in statuses if "held" in s.reason.lower()]
+    queued = [s for s in statuses if s.job]
+    reasons = "; ".join(sorted({s.reason for s in queued} - {"", "Dependency"}))
     if held:
         release = f"scontrol release {' '.join(held[:5])}"
         yield f"Slurm holds {len(held)} steps: scontrol update nodename=NODE state=resume where a node is drained, then {release}"
+    elif any(s.job == UNKNOWN for s in queued):
+        yield "ask again where Slurm answers"
     elif counts["failed"]:
-        yield f"see the logs of what failed, mend it, and {AGAIN}"
-    elif counts["blocked"] or counts["waiting"] and not counts["running"]:
-        yield AGAIN
+        rest = "when the rest has ended, " if queued or counts["running"] or is_at_work else ""
+        yield f"see the logs of what failed, mend it, and {rest}{AGAIN}"
+    elif queued and not counts["running"]:
+        yield f"wait for Slurm, which has {len(queued)} steps in its queue" + (f" ({reasons})" if reasons else "")
+    elif counts["blocked"] + counts["waiting"] and not counts["running"] + is_at_work:
+        yield AGAIN if counts["blocked"] else f"if no engine is at work, {AGAIN}"
 
 
 def as_json(graph, folder, statuses):

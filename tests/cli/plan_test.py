@@ -26,7 +26,7 @@ PLAN = ROOT / "pipelines" / "plan"
 sys.dont_write_bytecode = True
 sys.path[:0] = [str(ROOT / "pipelines"), str(ROOT / "tests" / "support")]
 from changed_document import REMOVE, changed_document  # noqa: E402
-from planner import command_line, description, errors, files, goldens, graph, run_here  # noqa: E402
+from planner import command_line, description, errors, files, goldens, graph, run_here, run_step  # noqa: E402
 from planner import slurm_queue, status, thumbnail, tool_options, versions  # noqa: E402
 
 MODEL = "v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nv 0 1 0\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"
@@ -127,6 +127,16 @@ class PlanTest(unittest.TestCase):
         result = subprocess.run([sys.executable, PLAN, *words], cwd=self.folder, env=self.environment, capture_output=True, text=True)
         self.assertEqual(result.returncode, expect, f"{words}\n{result.stdout}{result.stderr}")
         return result.stdout if expect == 0 else result.stdout + result.stderr
+
+    def call_here(self, *words, expect=0):
+        """In this process: starting Python would cost more than most steps."""
+        said, errors_said = io.StringIO(), io.StringIO()
+        environment = unittest.mock.patch.dict(os.environ, self.environment, clear=True)
+        name = unittest.mock.patch.object(command_line, "NAME", "plan")
+        with environment, name, contextlib.chdir(self.folder), contextlib.redirect_stdout(said), contextlib.redirect_stderr(errors_said):
+            code = command_line.main(["plan", *words])
+        self.assertEqual(code, expect, f"{words}\n{said.getvalue()}{errors_said.getvalue()}")
+        return said.getvalue() + errors_said.getvalue()
 
     def run_again(self, *words):
         """Names of the steps that `plan run` calls."""
@@ -385,6 +395,20 @@ class StepsTest(PlanTest):
                 (self.folder / "tent" / name).unlink()
 
 
+    def test_jobs_are_not_handed_in_beside_those_of_the_same_run(self):
+        self.describe()
+        self.call_here("tent.plan.json", "--slurm", "s")
+        self.write("sbatch", "#!/bin/sh\necho 12\n", 0o755)
+        self.write("tent/slurm-jobs.tsv", "6\tx.tasks\n7\ty.tasks\n")
+        environment = self.environment | {"PATH": f"{self.folder}:{self.environment['PATH']}"}
+        for queued, code, said in (("7", 3, "s/submit.sh: error: .* of this run; .*: scancel 6 7\n"), ("77", 0, "")):
+            self.write("squeue", f"#!/bin/sh\necho 5; echo {queued}\n", 0o755)
+            submit = subprocess.run(["sh", "s/submit.sh"], cwd=self.folder, env=environment, capture_output=True, text=True)
+            self.assertEqual(submit.returncode, code, submit.stderr)
+            self.assertRegex(submit.stderr, f"^{said}$")
+            self.assertEqual((self.folder / "tent/slurm-jobs.tsv").read_text().startswith("12\t"), code == 0)
+
+
 class RunTest(PlanTest):
     def test_steps_overlap_on_two_devices_and_never_on_one(self):
         self.describe()
@@ -442,17 +466,21 @@ class RunTest(PlanTest):
         self.export_with("")
         for code, attempts in ((6, 3), (4, 1)):
             with self.subTest(code=code):
-                self.write("tools/rt-import", f"#!/bin/sh\necho 'rt-import: error: no luck' >&2\nexit {code}\n", 0o755)
-                self.call("step", "tent", "import-tent", "--retries", "2", expect=code)
+                self.write("tools/rt-import", f"#!/bin/sh\necho 'rt-import: error: no \33luck' >&2\nexit {code}\n", 0o755)
+                said = self.call("step", "tent", "import-tent", "--retries", "2", expect=code)
                 states = self.states(expect=1)
+                self.assertRegex(said, r"^plan: error: import-tent: rt-import: error: no \ufffdluck  \[\S*tent/logs/import-tent.log\]\n$")
                 self.assertEqual(len(states["import-tent"]["attempts"]), attempts)
-                self.assertEqual((states["import-tent"]["state"], states["import-tent"]["why"]), ("failed", "rt-import: error: no luck"))
+                self.assertEqual((states["import-tent"]["state"], states["import-tent"]["why"]), ("failed", "rt-import: error: no \ufffdluck"))
                 self.assertEqual((states["grid-tent"]["state"], states["grid-tent"]["why"]), ("blocked", "import-tent failed"))
-                self.assertEqual((self.folder / "tent/logs/import-tent.log").read_text().count("no luck"), attempts)
+                self.assertEqual((self.folder / "tent/logs/import-tent.log").read_text().count("no \33luck"), attempts)
 
     def test_a_tool_that_writes_nothing_has_failed_and_one_that_is_up_to_date_is_skipped(self):
         self.export_with("")
+        (self.folder / "tent/steps").mkdir()
+        self.write("tent/steps/import-tent.json.tmp", "of a run that was killed")
         self.call("step", "tent", "import-tent", expect=70)
+        self.assertEqual(list((self.folder / "tent").rglob("*.tmp*")), [])
         self.assertIn("did not write tent.rtmesh", self.states(expect=1)["import-tent"]["why"])
         self.write("tools/rt-import", "#!/bin/sh\n[ -e tent.rtmesh ] || : >tent.rtmesh\n", 0o755)
         for state in (("done", ""), ("skipped", "up to date")):
@@ -498,12 +526,70 @@ class RunTest(PlanTest):
         self.assertRegex(self.call("status", "tent", expect=4), r"^plan: error: tent/slurm-jobs.tsv: \"7 tasks\" is none .*\n$")
         self.assertIn("is not the folder of a run", self.call("status", "devices", expect=3))
 
+    def test_a_failure_costs_all_arrays_that_waited_for_its_group(self):
+        self.describe()
+        self.call_here("tent.plan.json", "--ninja", "n")
+        folder, made = self.folder / "tent", graph.load_graph(self.folder / "tent")
+        ended = {"start": 1.0, "end": 2.0, "host": "a", "slot": "", "exitCode": 4, "why": "no luck"}
+        (folder / "around").mkdir()
+        for step in made.steps:
+            if step.stage in ("import", "grid") or step.group == "trace-around":
+                (folder / step.outputs[0]).touch()
+                run_step.save_record(folder, step, "failed" if step.id == "trace-around-0002-1of2" else "done", [ended])
+        statuses = {s.step.id: s for s in status.run_status(made, folder, {"trace-whole-0001": ("7_1", "PENDING", "Resources")})}
+        self.assertEqual(statuses["merge-around-0001"].why, "trace-around-0002-1of2 failed, and Slurm starts merge-around after all of trace-around only")
+        self.assertEqual(statuses["merge-around-0002"].why, "trace-around-0002-1of2 failed")
+        self.assertEqual(statuses["compare-same-0001"].why, "merge-around-0001 blocked")
+        self.assertEqual(statuses["trace-still"].why, status.LOST)
+        merge = next(step for step in made.steps if step.id == "merge-around-0001")
+        (folder / merge.outputs[0]).touch()
+        (folder / merge.outputs[1]).touch()
+        run_step.save_record(folder, merge, "done", [ended])  # by an earlier run
+        why = status.run_status(made, folder, {"trace-whole-0001": ("7_1", "PENDING", "Resources")})[-2].why
+        self.assertEqual(why, "merge-around-0002 blocked, and Slurm starts compare-same after all of merge-around only")
+        text = status.as_text(made, folder, statuses.values())
+        self.assertRegex(text, r"\nnext: see the logs of what failed, mend it, and when the rest has ended, run the pipeline again")
+
+    def test_what_to_do_depends_on_what_is_at_work(self):
+        self.describe_still()
+        self.call_here("tent.plan.json", "--ninja", "n")
+        folder, made = self.folder / "tent", graph.load_graph(self.folder / "tent")
+        said = lambda queue: status.as_text(made, folder, status.run_status(made, folder, queue)).splitlines()[-1]  # noqa: E731
+        all_of = lambda *said_of_all: {step.id: said_of_all for step in made.steps}  # noqa: E731
+        self.assertRegex(said(None), "next: if no engine is at work, run the pipeline again")
+        with run_here.run_lock(folder):
+            self.assertEqual(said(None), "tent: 3 steps: 3 waiting")
+        self.assertEqual(said(all_of("7_1", "PENDING", "Dependency")), "next: wait for Slurm, which has 3 steps in its queue")
+        self.assertEqual(said(all_of("7_1", "PENDING", "PartitionConfig")), "next: wait for Slurm, which has 3 steps in its queue (PartitionConfig)")
+        self.assertRegex(said({}), "next: run the pipeline again")
+
+    def test_records_tell_the_status_where_slurm_is_silent(self):
+        self.describe_still()
+        self.stand_in("mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        self.call_here("run", "tent.plan.json")
+        self.write("tent/slurm-jobs.tsv", "")
+        self.write("squeue", "#!/bin/sh\necho 'no controller' >&2; exit 1\n", 0o755)
+        self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
+        warning = r'plan: warning: Slurm does not say what is queued: squeue: "no controller"; try again\n'
+        self.assertRegex(self.call_here("status", "tent"), rf"^tent: 3 steps: 3 done\n{warning}$")
+        self.assertRegex(self.call_here("report", "tent", "--junit", "junit.xml"), f"^{warning}$")
+        record = self.folder / "tent/steps/trace-still.json"
+        record.write_text(record.read_text().replace('"done"', '"running"'))  # cut off, and perhaps in the queue again
+        said = self.call_here("status", "tent", expect=10)
+        self.assertRegex(said, r"^waiting +trace-still +Slurm does not say whether .*\n.*: 2 done, 1 waiting\nnext: ask again where Slurm answers\n")
+
+    def test_slurms_time_limit_is_thought_of(self):
+        made = graph.build_graph(GOOD, "t", self.folder, self.folder)
+        for job, why in ({}, "ended by SIGTERM"), ({"SLURM_JOB_ID": "7"}, "ended by SIGTERM (Slurm's time limit of 30 min, or scancel?)"):
+            with unittest.mock.patch.dict(os.environ, job):
+                self.assertEqual(run_step.why_failed(self.folder, made.steps[0], 143, ""), why)
+
     def test_only_slurm_holds_steps(self):
         """Not what is called so."""
         self.describe(json.loads(json.dumps(GOOD).replace('"tent"', '"held"')))
         self.stand_in("")
         self.call("tent.plan.json", "--ninja", "n")
-        self.assertRegex(self.call("status", "tent", expect=10), r"waiting +trace-still +for grid-held\n[^:]+: 12 steps: 12 waiting\nnext: run the")
+        self.assertRegex(self.call("status", "tent", expect=10), r"waiting +trace-still +for grid-held\n[^:]+: 12 steps: 12 waiting\nnext: if no engine is at work, run the")
 
     def test_programs_that_do_not_answer_are_named(self):
         self.stand_in("")
@@ -585,6 +671,19 @@ class RunTest(PlanTest):
                 with contextlib.suppress(errors.PlanError):
                     goldens.replace_all(pairs)
             self.assertEqual([path.read_text() for path in (self.folder / "golden").iterdir()], [content, content])
+
+    def test_goldens_that_a_render_makes_itself_are_refused(self):
+        (self.folder / "link").symlink_to("tent")
+        parts = {"around": GOOD["renders"]["around"], "still": LOOK, "other": LOOK}
+        for render, golden in (("still", "tent/still/still.exr"), ("still", "link/still/still.exr"), ("around", "tent/around/around.%04d.exr"),
+                               ("around", "tent/around/around.%04d.part1of2.exr")):  # fmt: skip
+            self.describe(GOOD | {"renders": parts, "comparisons": {"gate": {"render": render, "golden": golden}}})
+            said = self.call_here("tent.plan.json", expect=4)
+            self.assertRegex(said, rf"^plan: error: tent.plan.json: \$\.comparisons\.gate\.golden: .* is made by '{render}' itself; name another file\n$")
+        comparison = {"gate": {"render": "still", "golden": "tent/other/other.exr"}}  # which depends on that render
+        made = graph.build_graph(GOOD | {"renders": parts, "comparisons": comparison}, "t", self.folder, self.folder / "tent")
+        self.assertEqual(made.steps[-1].depends_on, ["trace-still", "trace-other"])
+        self.assertEqual(made.comparisons["gate"][0]["golden"], "")
 
     def test_goldens_that_cannot_be_made_of_renders_are_refused(self):
         self.describe_goldens()
@@ -676,10 +775,44 @@ class RunTest(PlanTest):
         made = graph.load_graph(self.folder / "tent")
         self.assertEqual(status.run_status(made, self.folder / "tent")[0].state, "done")
         wrongs = [{"attempts": 1}, {"attempts": []}, {"attempts": [1]}, {"attempts": [{}]}, {"files": []}, {"state": "?"}]
+        values = {"start": ("x", None, -1, 1e999), "end": ("x", None, []), "exitCode": (None, "0"), "host": (1,), "slot": (None,), "why": ([],)}
+        wrongs += [{"attempts": [content["attempts"][0] | {key: value}]} for key in values for value in values[key]]
+        wrongs += [{"attempts": [content["attempts"][0] | {"end": "x"}, content["attempts"][0]]}]
+        wrongs += [{"attempts": [{key: value for key, value in content["attempts"][0].items() if key != left_out}]} for left_out in values]
         for wrong in (b"", b"[]", b"{", b"[" * 100000, b'{"\xff": 1}', *(json.dumps(content | wrong).encode() for wrong in wrongs)):
             path.write_bytes(wrong)
             self.assertEqual(status.run_status(made, self.folder / "tent")[0].state, "waiting", wrong[:99])
         self.assertIn("import-tent", self.run_again())
+
+    def test_own_files_that_are_damaged_are_written_again(self):
+        self.describe_still()
+        self.stand_in("mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        self.call_here("tent.plan.json", "--ninja", "n")
+        ninja = (self.folder / "n").read_text()
+        altered = (self.folder / "tent/plan.json").read_bytes().replace(b"trace-still", b"trace-stilt", 1)
+        for wrong in (b"\xff", b"[" * 100000, b"[]", b'{"start": "x"}', b'{"start": NaN}', altered):
+            (self.folder / "n").write_bytes(wrong)
+            self.call_here("tent.plan.json", "--ninja", "n")
+            self.assertEqual((self.folder / "n").read_text(), ninja)
+            for name in ("plan.json", "run.json"):
+                (self.folder / "tent" / name).write_bytes(wrong)
+                if name == "plan.json":
+                    self.assertRegex(self.call_here("status", "tent", expect=3 if wrong == b"\xff" else 4), r"^plan: error: tent/plan.json: .*\n$")
+                    self.assertRegex(self.call_here("step", "tent", "import-tent", expect=3 if wrong == b"\xff" else 4), r"^plan: error: .*\n$")
+                else:
+                    self.call_here("report", "tent", "-o", "page.html")
+                self.call_here("run", "tent.plan.json")
+        graph.load_graph(self.folder / "tent")
+        self.assertGreater(json.loads((self.folder / "tent/run.json").read_text())["start"], time.time() - 60)
+
+    def test_what_waits_for_a_step_that_fails_is_not_done(self):
+        self.describe_still()
+        self.stand_in("[ ! -e fails ] || exit 4; mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        self.call_here("run", "tent.plan.json")
+        (self.folder / "tent/fails").touch()
+        said = self.call_here("run", "tent.plan.json", expect=1)
+        self.assertRegex(said, r"blocked +grid-tent +import-tent failed; its outputs are of an earlier run\n")
+        self.assertIn("3 steps: 1 failed, 2 blocked\n", said)
 
     def test_names_and_folders_may_be_odd(self):
         """Spaces, letters, shell's and printf's signs, and a run's folder that is a link to another place."""
@@ -834,11 +967,8 @@ class ChangesTest(PlanTest):
         yield "a stamp", (self.folder / "tent/same/same.passed").unlink, ""
 
     def run_working(self):
-        """In this process: starting Python would cost more than most steps."""
-        words = ["plan", "run", str(self.folder / "tent.plan.json"), "-o", str(self.folder / "tent")]
-        with unittest.mock.patch.dict(os.environ, self.environment, clear=True), contextlib.redirect_stdout(io.StringIO()) as said:
-            self.assertEqual(command_line.main(words), 0)
-        return set(re.findall(r"^\[\d+/\d+\] (\S+): (?!.*up to date)", said.getvalue(), re.MULTILINE))
+        said = self.call_here("run", "tent.plan.json")
+        return set(re.findall(r"^\[\d+/\d+\] (\S+): (?!.*up to date)", said, re.MULTILINE))
 
     def test_exactly_the_steps_work_that_have_to(self):
         self.assertEqual(self.run_working(), set(self.ALL.split()))
@@ -892,16 +1022,20 @@ class WholeTest(PlanTest):
         page = (self.folder / "report.html").read_text()
         self.assertEqual(page.count("data:image/png;base64,"), 5)
         count = len(self.states())
-        self.assertEqual(len(re.findall(r"<rect ", page)), count)
+        self.assertEqual(len(re.findall(r"<rect ", page)), 1)  # the last run called rt-import only
         self.assertNotIn("http", page)
         self.assertIn('href="tent/same/same.0002.html"', page)
         self.assertTrue((self.folder / "tent/same/same.0002.html").exists())
         self.assertIn("nothing that it depends on has changed", page)
         self.call("tent.plan.json", "--ninja", "n")  # and nobody knows when Ninja begins
         self.call("report", "tent", "-o", "again.html")
-        self.assertNotIn("nothing that it depends on has changed", (self.folder / "again.html").read_text())
+        page = (self.folder / "again.html").read_text()
+        self.assertNotIn("nothing that it depends on has changed", page)
+        self.assertEqual(len(re.findall(r"<rect ", page)), count)
         suite = ET.parse(self.folder / "junit.xml").getroot()
-        self.assertEqual((suite.get("tests"), suite.get("failures")), (str(count), "0"))
+        self.assertEqual([suite.get(key) for key in ("tests", "failures", "skipped")], [str(count), "0", "0"])
+        self.assertEqual([case.findtext("system-out") for case in suite], ["up to date"] + [None] * (count - 1))
+        self.assertEqual(suite.findall(".//skipped"), [])
 
 
 if __name__ == "__main__":
