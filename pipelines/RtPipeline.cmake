@@ -1,6 +1,6 @@
 # Chains of the tools as CMake targets. Each function makes a target NAME and files NAME.* in the current binary folder;
-# NAME.json holds the tool's figures. A step runs where one of the files that it reads, its options or its tool changed in
-# content; a step whose output came out the same runs none of those after it. Comparisons run
+# NAME.json holds the tool's figures. A step runs where the content of one of the files that it reads, its options or its
+# tool's version changed; a step whose output came out the same runs none of those after it. Comparisons run
 # whenever CTest does.
 #
 #   rt_add_scene(NAME MODELS file... [ARGS ...])                                                   NAME.rtmesh
@@ -13,8 +13,9 @@
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
 #                                           the same; the target update_goldens takes the renders for the goldens
 #
+# Ninja does not see a file that is replaced by an older one, nor a texture or material file that was missing and appears: touch the model.
 # Functions of one pipeline are called in one folder, in which, or above which, this file is included. RT_DEVICES, devices with commas
-# between them as rt-trace --device takes them, renders frames side by side, one on each device at a time; what has no frames is the first
+# between them as rt-trace --device takes them, renders frames side by side, one on each device at a time with Ninja; what has no frames is the first
 # device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
 cmake_minimum_required(VERSION 3.25)
 
@@ -79,6 +80,10 @@ endfunction()
 function(_rt_step name tool pool)
     cmake_parse_arguments(PARSE_ARGV 3 STEP "" "" "OUTPUTS;INPUTS;ARGS")
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
+    if(TEST ${name})
+        message(FATAL_ERROR "${name} is a comparison already, which has the same files")
+    endif()
+    set_property(GLOBAL APPEND PROPERTY RT_STEPS ${base})
     add_custom_command(
         OUTPUT ${STEP_OUTPUTS} ${base}.json
         COMMAND ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d
@@ -217,10 +222,8 @@ endfunction()
 
 # A test for each picture, with further options of rt-compare.
 function(_rt_compare name render references max_rmse)
-    if(TARGET ${name})
-        message(FATAL_ERROR "${name} is a target already, whose files a comparison of that name would replace")
-    endif()
     _rt_files_of(files ${render})
+    get_property(steps GLOBAL PROPERTY RT_STEPS)
     list(LENGTH files count)
     list(LENGTH references wanted)
     string(LENGTH ${render} render_length)
@@ -236,6 +239,14 @@ function(_rt_compare name render references max_rmse)
         string(SUBSTRING ${stem} ${render_length} -1 number) # .0001, or nothing
         set(test ${name}${number})
         set(base ${CMAKE_CURRENT_BINARY_DIR}/${test})
+        if(base IN_LIST steps)
+            message(FATAL_ERROR "${test} is a step already, whose files a comparison of that name would replace")
+        endif()
+        file(REAL_PATH ${picture} picture_path)
+        file(REAL_PATH ${reference} reference_path)
+        if(picture_path STREQUAL reference_path)
+            message(FATAL_ERROR "${name}: ${picture} would be compared with itself")
+        endif()
         add_test(NAME ${test} COMMAND ${RT_COMPARE} ${picture} ${reference} --json ${base}.json --html ${base}.html ${options})
     endforeach()
 endfunction()

@@ -5,8 +5,8 @@
 #   hall.rtatlas: hall.rtmesh                             an atlas of a mesh
 #   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
 #   query.hits: hall.rtatlas sun.rays                     what rt-trace --rays finds for these rays
-#   view.passed: view.exr goldens/view.exr                two pictures compared; is not there as long as they differ, and made
-#                                                         each time, so that what is made of it is too
+#   view.passed: view.exr goldens/view.exr                two pictures compared; made anew each time that they are compared and agree, so
+#                                                         that what is made of it is too; gone if they differ
 #   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
 #
 # FILE.json holds the figures of each step. Every step is called each time, and does nothing where its inputs, options and tool
@@ -22,11 +22,10 @@ RT_QUERY_FLAGS ?=
 RT_COMPARE_FLAGS ?=
 
 rt_comma := ,
-rt_bin := $(if $(RT_TOOLS_DIR),$(RT_TOOLS_DIR:%/=%)/)
+rt_bin = $(if $(RT_TOOLS_DIR),$(RT_TOOLS_DIR:%/=%)/)
 rt_common = --json $@.json --if-changed
 # The prerequisites of a kind; there must be some.
-rt_inputs = $(or $(filter $(1),$^),$(error $@ is missing, and no $(1) is named as what it is made of$(2)))
-rt_golden_hint = ; if it is a golden: look at the new picture and copy it there (update-goldens in the examples)
+rt_inputs = $(or $(filter $(1),$^),$(error no $(1) is named as what $@ is made of))
 # 0012 for NAME.0012.exr
 rt_frame = $(shell expr "$(suffix $*)" : '[.]\([0-9][0-9]*\)$$')
 rt_models = $(or $(RT_MODELS),$(filter-out rt-always,$<),$(error $@: no model of its name, and no RT_MODELS))
@@ -47,8 +46,10 @@ $(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: 
 rt_trace = set -- $(or $(subst $(rt_comma), ,$(RT_DEVICES)),auto); shift $$(expr 0$(rt_frame) % $$\#); set -x; \
 	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(filter %.rtatlas,$^) -o $*.exr -o $*.png $(if $(filter-out auto,$(RT_DEVICES)),--device $$1) \
 	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
+rt_missing = echo "$@ is missing, and no %.rtatlas is named as what it is made of; if it is a golden: look at the new picture and copy \
+	it there (update-goldens in the examples)" >&2; exit 1
 %.exr %.png: rt-always
-	@$(if $(filter %.rtatlas,$^)$(if $(wildcard $@),,missing),$(if $(call rt_inputs,%.rtatlas,$(rt_golden_hint)),$(rt_trace)),:)
+	@$(if $(filter %.rtatlas,$^),$(rt_trace),$(if $(wildcard $@),:,$(rt_missing)))
 
 %.hits: rt-always
 	$(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) --rays $(call rt_inputs,%.rays) -o $@ \

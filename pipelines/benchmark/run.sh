@@ -34,12 +34,16 @@ cmake --fresh -G Ninja -S "$here" -B "$out" -D RT_TOOLS_DIR="${RT_TOOLS_DIR:-$re
 cd -- "$out"
 # One step at a time, since they are measured; the others go on where one fails: collect.py lists what did. What is large
 # goes away with each scene, and what was measured before is measured again.
+remove_large() {
+    rm -f "$1"/*.rays "$1"/*.hits "$1"-*.hits "$1"-*.rtatlas "$1"-*.exr
+}
 while read -r scene; do
-    rm -rf "$scene" "$scene"-*
+    rm -f "$scene"/rays.json "$scene"-*.json "$scene"-*.d "$scene"-*.png
+    remove_large "$scene"
     {
         cmake --build . --target "$scene-all" -j 1 -- -k 0 || :
         [ $errors = ON ] || ctest -L "^$scene\$" --output-on-failure || :
     } </dev/null 2>&1 | tee "$scene.log"
-    rm -f "$scene"/*.rays "$scene"/*.hits "$scene"-*.hits "$scene"-*.rtatlas "$scene"-*.exr
+    remove_large "$scene"
 done < scenes.txt
 exec python3 -B "$here/collect.py" .

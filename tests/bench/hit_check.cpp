@@ -20,6 +20,7 @@ constexpr double kSameDistance = 1e-5;
 constexpr double kGrazing = 1e-3;
 constexpr double kAcross = 1e-4;
 constexpr double kRounding = 1e-6;        // of a triangle's edges
+constexpr double kEndOfWorld = 1e15;      // Embree's floats overflow soon after
 constexpr double kAside[] = {1e-6, 1e-7}; // the second one for needles
 constexpr int kNeighbours = 16;           // at each distance
 
@@ -101,30 +102,30 @@ bool fits(const QueryRay& ray, const QueryHit& beside, const QueryHit& got, bool
 
 bool isEdge(const EmbreeTracer& tracer, const TracedRays& traced, std::size_t i) {
     if (!isSound(traced.got[i])) return false;
-    const std::vector<QueryRay> neighbours =
-        neighboursOf(traced.rays[i], disputedDistance(tracer, traced, i));
+    const double t = disputedDistance(tracer, traced, i);
+    if (sizeOf(traced.rays[i], t) > kEndOfWorld) return false;
+    const std::vector<QueryRay> neighbours = neighboursOf(traced.rays[i], t);
     const std::vector<QueryHit> hits = tracer.trace(neighbours, traced.anyHit, 1).hits;
     return std::any_of(hits.begin(), hits.end(), [&](const QueryHit& hit) {
         return fits(traced.rays[i], hit, traced.got[i], traced.anyHit);
     });
 }
 
-// Whether the point u, v of the triangle is beside the ray, or on it but not at t. Where a ray meets a
-// triangle edge on, u and v are far less sure along the ray than across it; on a large one they have its
-// rounding errors.
+// Whether the ray at t is off the triangle's plane, or the point u, v off the ray. Along a ray that meets its
+// triangle edge on, t is far less sure than that. u and v have the rounding errors of a large triangle.
 bool isDisplaced(const Mesh& mesh, const QueryRay& ray, const QueryHit& hit) {
     if (hit.tuvId.w >= mesh.triangles.size()) return true;
     const glm::uvec3 corners = mesh.triangles[hit.tuvId.w];
     const glm::dvec3 a(mesh.positions[corners.x]), ab = glm::dvec3(mesh.positions[corners.y]) - a,
                                                    ac = glm::dvec3(mesh.positions[corners.z]) - a;
     const double u = std::bit_cast<float>(hit.tuvId.y), v = std::bit_cast<float>(hit.tuvId.z);
-    const glm::dvec3 direction(ray.directionTmax);
-    const glm::dvec3 apart = a + u * ab + v * ac - glm::dvec3(ray.originTmin) - distanceOf(hit) * direction;
-    const double along = glm::dot(apart, glm::normalize(direction));
-    const double across = glm::length(glm::cross(apart, glm::normalize(direction)));
+    const glm::dvec3 direction(ray.directionTmax), normal = glm::cross(ab, ac);
+    const glm::dvec3 fromA = glm::dvec3(ray.originTmin) + distanceOf(hit) * direction - a;
+    const double offRay = glm::length(glm::cross(fromA - u * ab - v * ac, glm::normalize(direction)));
+    const double offPlane = std::abs(glm::dot(fromA, normal)) / std::max(glm::length(normal), 1e-300);
     const double size = sizeOf(ray, distanceOf(hit));
     const double rounding = kRounding * (glm::length(ab) + glm::length(ac));
-    return across > kAcross * size + rounding || std::abs(along) > kGrazing * size + rounding;
+    return offRay > kAcross * size + rounding || offPlane > kSameDistance * size + rounding;
 }
 
 } // namespace

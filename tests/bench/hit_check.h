@@ -59,10 +59,10 @@ HitCounts compareHits(const TracedRays& traced);
 /// between two triangles stays a fault, because its neighbours do not.
 void excuseEdges(const EmbreeTracer& tracer, const TracedRays& traced, HitCounts& counts);
 
-/// Moves to Wrong what is in no class of faults, but whose triangle has its point u, v not where the ray is
-/// at t: farther across the ray than 1e-4 of the size, or along it than 1e-3, beside roundings of 1e-6 of the
-/// triangle's edges. t alone may be right by chance, or of another triangle. For any-hit queries nothing is
-/// looked at. Call it last.
+/// Moves to Wrong what is in no class of faults, but contradicts itself: the ray at t is off the triangle's
+/// plane by more than 1e-5 of the size, or the triangle's point u, v off the ray by more than 1e-4, beside
+/// roundings of 1e-6 of the triangle's edges. t alone may be right by chance, or of another triangle, and
+/// grazing hits may be none. For any-hit queries nothing is looked at. Call it last.
 void findDisplaced(const Mesh& mesh, const TracedRays& traced, HitCounts& counts);
 
 } // namespace rt::bench

@@ -88,7 +88,7 @@ TEST(HitCheck, SilhouettesAreExcusedButHolesInASurfaceAreNot) {
 TEST(HitCheck, HitsThatContradictThemselvesAreWrong) {
     const Mesh cube = test::makeCube();
     const EmbreeTracer tracer(cube, EmbreeMode::Robust, 1);
-    const std::vector<QueryRay> rays(5, {{0.2f, 0.1f, 2.0f, 0.0f}, {0.0f, 0.0f, -1.0f, 1e30f}});
+    const std::vector<QueryRay> rays(6, {{0.2f, 0.1f, 2.0f, 0.0f}, {0.0f, 0.0f, -1.0f, 1e30f}});
     const std::vector<QueryHit> expected = tracer.trace(rays, false, 1).hits;
     const std::uint32_t triangle = expected[0].tuvId.w;
     std::vector<QueryHit> got = expected;
@@ -96,16 +96,30 @@ TEST(HitCheck, HitsThatContradictThemselvesAreWrong) {
     got[2].tuvId.w = static_cast<std::uint32_t>(cube.triangles.size());
     got[3].tuvId.y = std::bit_cast<std::uint32_t>(std::bit_cast<float>(got[3].tuvId.y) + 1e-3f);
     got[4].tuvId.z = std::bit_cast<std::uint32_t>(std::bit_cast<float>(got[4].tuvId.z) + 1e-7f);
+    got[5].tuvId.x = std::bit_cast<std::uint32_t>(std::bit_cast<float>(got[5].tuvId.x) + 1e-3f);
     for (const bool anyHit : {false, true}) {
         const TracedRays traced{rays, expected, got, anyHit};
         HitCounts counts = compareHits(traced);
         EXPECT_TRUE(counts.faults.empty());
+        EXPECT_EQ(counts[HitClass::Grazing], anyHit ? 0u : 1u);
         findDisplaced(cube, traced, counts);
-        EXPECT_EQ(counts[HitClass::Wrong], anyHit ? 0u : 3u);
-        EXPECT_EQ(counts.faults, anyHit ? std::vector<std::size_t>{} : (std::vector<std::size_t>{1, 2, 3}));
-        EXPECT_EQ(counts[HitClass::Agree], anyHit ? 5u : 2u);
+        EXPECT_EQ(counts[HitClass::Wrong], anyHit ? 0u : 4u);
+        EXPECT_EQ(counts.faults,
+                  anyHit ? std::vector<std::size_t>{} : (std::vector<std::size_t>{1, 2, 3, 5}));
+        EXPECT_EQ(counts[HitClass::Agree], anyHit ? 6u : 2u);
         EXPECT_EQ(counts[HitClass::Tie], 0u);
     }
+}
+
+TEST(HitCheck, AHitBehindTheEndOfTheWorldIsWrong) {
+    const Mesh cube = test::makeCube();
+    const EmbreeTracer tracer(cube, EmbreeMode::Robust, 1);
+    const std::vector<QueryRay> rays = {{{0.2f, 0.1f, 2.0f, 0.0f}, {0.0f, 0.0f, -1.0f, 1e30f}}};
+    const std::vector<QueryHit> expected = tracer.trace(rays, false, 1).hits, got = {hitAt(1e30f, 0)};
+    const TracedRays traced{rays, expected, got, false};
+    HitCounts counts = compareHits(traced);
+    excuseEdges(tracer, traced, counts);
+    EXPECT_EQ(counts[HitClass::Wrong], 1u);
 }
 
 // A steep wedge seen past its edge: where a ray just beside the edge meets the front, one that rounding took

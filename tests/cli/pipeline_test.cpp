@@ -144,7 +144,13 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
     expectRefused("rt_add_comparison(c A nothing B scene)\n", "scene is no rt_add_render");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
                   "rt_add_regression(r RENDER r GOLDENS g)\n",
-                  "r is a target already");
+                  "r is a step already");
+    expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
+                  "rt_add_regression(c RENDER r GOLDENS build)\n",
+                  "would be compared with itself");
+    expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
+                  "rt_add_regression(s RENDER r GOLDENS g)\nrt_add_render(s ATLAS x SIZE 8x8)\n",
+                  "s is a comparison already");
 }
 
 TEST_F(CMakePipeline, ValuesThatReadAsFalseReachTheTools) {
