@@ -156,7 +156,7 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
 TEST_F(CMakePipeline, ValuesThatReadAsFalseReachTheTools) {
     writeSteps("rt_add_atlas(x SCENE scene RESOLUTION 0)\n"
                "rt_add_render(r ATLAS x SIZE 8x8 SAMPLES 0 CAMERA no PASSES N)\n"
-               "rt_add_comparison(c A r B r MAX_RMSE 0)\n");
+               "rt_add_render(other ATLAS x SIZE 8x8)\nrt_add_comparison(c A r B other MAX_RMSE 0)\n");
     ASSERT_EQ(configure().exitCode, 0);
     const std::string steps = readText(folder_.file("build/build.ninja"));
     for (const char* option : {" --resolution 0 ", " --spp 0 ", " --camera no ", " --aov N "})
