@@ -68,6 +68,17 @@ bool isInside(real3 weights) {
     return min(weights.x, min(weights.y, weights.z)) >= 0.0f || max(weights.x, max(weights.y, weights.z)) <= 0.0f;
 }
 
+const real kBesideSlack = 1e-6f; // of the corners' distance from the ray: a few times what moves a ray over an edge
+
+// Whether the ray passes the box of what it sees of the triangle. All weights of a small triangle that lies far from the ray in
+// a line with it are roundings, and may well have one sign.
+bool isBeside(Corners s) {
+    real2 low = min(s.p, min(s.q, s.r)), high = max(s.p, max(s.q, s.r));
+    real2 size = max(abs(low), abs(high));
+    real slack = kBesideSlack * max(size.x, size.y);
+    return max(low.x, low.y) <= slack && min(high.x, high.y) >= -slack;
+}
+
 // Twice the area as seen; 0 if edge-on: its neighbours are hit.
 real areaOf(real3 weights) {
     precise real area = weights.x + weights.y + weights.z;
@@ -89,7 +100,7 @@ real3 normalOf(TriangleRecord triangle) {
 Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best) {
     Corners s = cornersOf(ray, shear, triangle);
     real3 weights = weightsOf(s);
-    if (isInside(weights)) {
+    if (isInside(weights) && isBeside(s)) {
         real area = areaOf(weights);
         // From the plane: a ray that leaves the triangle next to it keeps its side, which weights of far corners would blur.
         real3 normal = normalOf(triangle);

@@ -179,6 +179,36 @@ TEST_F(RayQuery, EqualsBruteForceForASmallDenseSphereInAHugeSquare) {
     expectAgreement(mesh, rays, {9, 9, 1});
 }
 
+// Needles as narrow as floats have it, and rays that pass the line along one hundreds of its lengths away:
+// all that decides on which side of its edges they pass is rounded off.
+TEST_F(RayQuery, NeedlesAreNotHitFromFarAlongTheirLine) {
+    const glm::vec3 tip(509.90485f, 0.18102f, -213.99765f);
+    std::vector<glm::vec3> corners;
+    std::vector<QueryRay> rays;
+    const std::vector<QueryRay> numbers = randomRays(test::makeSphere(0), 30000);
+    for (std::size_t i = 0; i < 30; ++i) {
+        const glm::vec3 along = 0.1f * glm::normalize(glm::vec3(numbers[i].directionTmax));
+        const glm::vec3 beside(tip.x, std::nextafter(tip.y, 1.0f), tip.z);
+        corners.insert(corners.end(), {tip, beside, tip + along});
+        for (std::size_t j = i; j < numbers.size(); j += 30) {
+            const glm::vec3 direction(numbers[j].directionTmax);
+            const float lengths = (j % 2 == 0 ? 0.5f : -0.5f) * static_cast<float>(500 + j % 1000);
+            rays.push_back(rayFrom(tip + along * lengths - 0.1f * direction, direction));
+        }
+    }
+    const Mesh needles = test::makeTriangles(corners);
+    // Far corners make one voxel of all.
+    const Mesh mesh =
+        test::joined(needles, test::makeTriangles({tip - 100.0f, tip - 100.0f + glm::vec3(0, 0, 1e-3f),
+                                                   tip - 100.0f + glm::vec3(0, 1e-3f, 0), tip + 100.0f,
+                                                   tip + 100.0f + glm::vec3(0, 0, 1e-3f),
+                                                   tip + 100.0f + glm::vec3(0, 1e-3f, 0)}));
+    for (const std::uint32_t structure : {kStructureUniform, kStructureNested})
+        for (const QueryHit& hit :
+             test::traceQuery(*context, test::makeAtlas(mesh, structure, {1, 1, 1}), rays))
+            EXPECT_TRUE(isMiss(hit)) << "triangle " << hit.tuvId.w << " at " << distanceOf(hit);
+}
+
 TEST_F(RayQuery, EqualsBruteForceForOneTriangle) {
     const Mesh mesh = test::makeTriangles({{0.1f, 0.2f, 0.3f}, {0.9f, 0.4f, 0.1f}, {0.5f, 0.8f, 0.7f}});
     expectAgreement(mesh, randomRays(mesh, 2000), {3, 3, 3});
