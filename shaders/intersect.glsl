@@ -70,13 +70,18 @@ bool isInside(real3 weights) {
 
 const real kBesideSlack = 1e-6f; // of the corners' distance from the ray: a few times what moves a ray over an edge
 
-// Whether the ray passes the box of what it sees of the triangle. All weights of a small triangle that lies far from the ray in
-// a line with it are roundings, and may well have one sign.
+// Whether the ray passes the box of what it sees of the triangle.
 bool isBeside(Corners s) {
     real2 low = min(s.p, min(s.q, s.r)), high = max(s.p, max(s.q, s.r));
     real2 size = max(abs(low), abs(high));
     real slack = kBesideSlack * max(size.x, size.y);
     return max(low.x, low.y) <= slack && min(high.x, high.y) >= -slack;
+}
+
+// All weights of a small triangle that lies far from the ray in a line with it are roundings: zeros, and one that is none.
+bool isByRounding(real3 weights, Corners s) {
+    real3 size = abs(weights);
+    return min(size.x, min(size.y, size.z)) == 0.0f && !isBeside(s);
 }
 
 // Twice the area as seen; 0 if edge-on: its neighbours are hit.
@@ -100,7 +105,7 @@ real3 normalOf(TriangleRecord triangle) {
 Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best) {
     Corners s = cornersOf(ray, shear, triangle);
     real3 weights = weightsOf(s);
-    if (isInside(weights) && isBeside(s)) {
+    if (isInside(weights)) {
         real area = areaOf(weights);
         // From the plane: a ray that leaves the triangle next to it keeps its side, which weights of far corners would blur.
         real3 normal = normalOf(triangle);
@@ -112,7 +117,7 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
         }
         precise real t = fixedDot(normal, s.a) / facing;
         uint id = floatBitsToUint(triangle.v0.w);
-        if (t >= ray.tMin && isNearer(t, id, best) && area != 0.0f) best = Hit(t, weights.y / area, weights.z / area, id);
+        if (t >= ray.tMin && isNearer(t, id, best) && area != 0.0f && !isByRounding(weights, s)) best = Hit(t, weights.y / area, weights.z / area, id);
     }
     return best;
 }

@@ -56,7 +56,7 @@ Hit intersectSliver(Ray ray, RayShear shear, TriangleRecord triangle, Hit best) 
     Corners s = cornersOf(ray, shear, triangle);
     real3 weights = weightsOf(s);
     real area = areaOf(weights);
-    if (!isInside(weights) || !isBeside(s) || area == 0.0f) return best;
+    if (!isInside(weights) || area == 0.0f || isByRounding(weights, s)) return best;
     real3 main = mainAxis(ray.direction);
     precise real3 along = real3(dot(main, s.a), dot(main, s.b), dot(main, s.c)) / dot(main, ray.direction);
     real t = slenderDistance(SeenTriangle(real3(s.p, along.x), real3(s.q, along.y), real3(s.r, along.z), weights / area));
