@@ -68,20 +68,20 @@ bool isInside(real3 weights) {
     return min(weights.x, min(weights.y, weights.z)) >= 0.0f || max(weights.x, max(weights.y, weights.z)) <= 0.0f;
 }
 
-const real kBesideSlack = 1e-6f; // of the corners' distance from the ray: a few times what moves a ray over an edge
+const real kBoxSlack = 1e-6f; // of the corners' distance from the ray: a few times what moves a ray over an edge
 
 // Whether the ray passes the box of what it sees of the triangle.
-bool isBeside(Corners s) {
+bool boxMeetsRay(Corners s) {
     real2 low = min(s.p, min(s.q, s.r)), high = max(s.p, max(s.q, s.r));
     real2 size = max(abs(low), abs(high));
-    real slack = kBesideSlack * max(size.x, size.y);
+    real slack = kBoxSlack * max(size.x, size.y);
     return max(low.x, low.y) <= slack && min(high.x, high.y) >= -slack;
 }
 
 // All weights of a small triangle that lies far from the ray in a line with it are roundings: zeros, and one that is none.
 bool isByRounding(real3 weights, Corners s) {
     real3 size = abs(weights);
-    return min(size.x, min(size.y, size.z)) == 0.0f && !isBeside(s);
+    return min(size.x, min(size.y, size.z)) == 0.0f && !boxMeetsRay(s);
 }
 
 // Twice the area as seen; 0 if edge-on: its neighbours are hit.
@@ -117,7 +117,8 @@ Hit intersectTriangle(Ray ray, RayShear shear, TriangleRecord triangle, Hit best
         }
         precise real t = fixedDot(normal, s.a) / facing;
         uint id = floatBitsToUint(triangle.v0.w);
-        if (t >= ray.tMin && isNearer(t, id, best) && area != 0.0f && !isByRounding(weights, s)) best = Hit(t, weights.y / area, weights.z / area, id);
+        bool isHit = t >= ray.tMin && isNearer(t, id, best) && area != 0.0f && !isByRounding(weights, s);
+        if (isHit) best = Hit(t, weights.y / area, weights.z / area, id);
     }
     return best;
 }

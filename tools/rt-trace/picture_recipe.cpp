@@ -30,6 +30,8 @@ std::string makingOf(const CLI::App& app, const TraceOptions& options, bool whol
 }
 
 PictureRecipes recipesOf(const TraceOptions& options) {
+    if (!options.raysPath.empty() && options.common.jsonPath.empty())
+        return {}; // hits carry none: spare the hashing
     const std::vector<RecipeInput> inputs = inputsOf(options);
     return {recipeOf(options.common.making, inputs),
             options.wholeMaking.empty() ? Recipe() : recipeOf(options.wholeMaking, inputs)};
