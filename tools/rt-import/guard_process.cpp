@@ -140,16 +140,18 @@ void GuardProcess::Impl::becomeChild(pid_t parent) {
 
 // False if the time was over before.
 bool GuardProcess::Impl::waitForEnd() {
-    constexpr int kIntervalMs = 100;
+    using Milliseconds = std::chrono::milliseconds;
+    constexpr Milliseconds kInterval(100);
     const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                                      std::chrono::duration<double>(limits.seconds));
     Progress progress("", 1.0);
     pollfd life{lifeRead.get(), POLLIN, 0};
-    while (poll(&life, 1, kIntervalMs) <= 0) {
-        if (Clock::now() > end) return false;
+    for (;;) {
+        const auto left = std::max(std::chrono::ceil<Milliseconds>(end - Clock::now()), Milliseconds(0));
+        if (poll(&life, 1, static_cast<int>(std::min(left, kInterval).count())) > 0) return true;
+        if (Clock::now() >= end) return false;
         progress.update(std::clamp(part->load(), 0.0, 1.0));
     }
-    return true;
 }
 
 void GuardProcess::Impl::throwIfKilled(int status) const {
