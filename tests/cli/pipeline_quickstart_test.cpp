@@ -5,7 +5,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <filesystem>
 
 namespace rt::test {
@@ -53,9 +52,9 @@ TEST_F(Quickstart, PrintsItsTableAndThenRunsOnlyWhatATouchedModelNeeds) {
     for (const char* picture : {"uniform_view.png", "cloud_view.png", "uniform_view.exr", "cloud_view.exr"})
         EXPECT_TRUE(std::filesystem::exists(work_ + "/" + picture)) << picture;
 
-    const auto start = std::chrono::steady_clock::now();
-    EXPECT_THAT(build().out, HasSubstr("no work to do"));
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(3));
+    const CommandResult again = build();
+    EXPECT_THAT(again.out, HasSubstr("no work to do"));
+    EXPECT_LT(again.processorSeconds, 3.0);
 
     std::filesystem::last_write_time(folder_.file("pipelines/quickstart/poolTable/poolTable.obj"),
                                      std::filesystem::file_time_type::clock::now());
