@@ -13,8 +13,11 @@
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
 #                                           the same; the target update_goldens takes the renders for the goldens
 #
-# Ninja does not see a file that is replaced by an older one, nor a texture or material file that was missing and appears: touch the model.
-# Functions of one pipeline are called in one folder, in which, or above which, this file is included. RT_DEVICES, devices with commas
+# Ninja does not see a file that is replaced by an older one: touch the model; nor, in the folder that it builds in, a texture or material
+# file that was missing and appears.
+# Functions of one pipeline are called in one folder, in any order but that comparisons come behind their renders; this file is included
+# there or above. SCENE.rtmesh and ATLAS.rtatlas may also be there, or made by rules of that folder (OUTPUT or BYPRODUCTS) or by a target
+# SCENE or ATLAS; they are refused where nothing makes them. RT_DEVICES, devices with commas
 # between them as rt-trace --device takes them, renders frames side by side, one on each device at a time; what has no frames is the first device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
 cmake_minimum_required(VERSION 3.25)
 
@@ -99,21 +102,20 @@ endfunction()
 function(_rt_target name maker suffix)
     add_custom_target(${name} ALL DEPENDS ${ARGN})
     set_target_properties(${name} PROPERTIES RT_FILES "${ARGN}")
-    if(TARGET "${maker}")
-        add_dependencies(${name} ${maker}) # Make, unlike Ninja, would make that twice
-    endif()
-    if(suffix) # what makes it may come later; the call shall have the values of now
+    if(suffix) # what makes it may come later; the call gets the values of now
         cmake_language(EVAL CODE "cmake_language(DEFER DIRECTORY [[${CMAKE_SOURCE_DIR}]] CALL _rt_require
             [[${CMAKE_CURRENT_LIST_FILE}]] [[${name}]] [[${maker}]] [[${suffix}]] [[${CMAKE_CURRENT_BINARY_DIR}]])")
     endif()
 endfunction()
 
-# Refuses a MAKER.SUFFIX that is neither there nor made by a step or rule of its folder or a target of another kind.
+# Has NAME wait for the target MAKER. Refuses a MAKER.SUFFIX that is neither there nor made by a step or rule of its folder nor by
+# a target of another kind.
 function(_rt_require list_file name maker suffix folder)
     set(file ${folder}/${maker}.${suffix})
     get_source_file_property(is_made ${file} DIRECTORY ${folder} GENERATED)
     set(is_own ON)
     if(TARGET ${maker})
+        add_dependencies(${name} ${maker}) # Make, unlike Ninja, would make that twice
         get_target_property(is_own ${maker} RT_FILES)
     endif()
     get_property(told GLOBAL PROPERTY RT_TOLD)

@@ -29,3 +29,14 @@ while(_rt_left)
         set(RT_SOFTWARE OFF)
     endif()
 endwhile()
+
+option(RT_REDUCED "Small scenes and pictures, few passes" ${RT_SOFTWARE})
+
+# rt_set_size(VARIABLE full reduced "what it is"): a variable of the cache whose default RT_REDUCED chooses.
+function(rt_set_size variable full reduced what)
+    set(default "${full}")
+    if(RT_REDUCED)
+        set(default "${reduced}")
+    endif()
+    set(${variable} "${default}" CACHE STRING "${what}")
+endfunction()
