@@ -13,12 +13,13 @@
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
 #                                           the same; the target update_goldens takes the renders for the goldens
 #
-# Ninja does not see a file that is replaced by an older one: touch the model; nor, in the folder that it builds in, a texture or material
-# file that was missing and appears.
-# Functions of one pipeline are called in one folder, in any order but that comparisons come behind their renders; this file is included
-# there or above. SCENE.rtmesh and ATLAS.rtatlas may also be there, or made by rules of that folder (OUTPUT or BYPRODUCTS) or by a target
-# SCENE or ATLAS; they are refused where nothing makes them. RT_DEVICES, devices with commas
-# between them as rt-trace --device takes them, renders frames side by side, one on each device at a time; what has no frames is the first device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
+# Ninja does not see a file that is replaced by an older one: touch the model; nor, in the folder that it builds in, a texture or
+# material file that was missing and appears.
+# Functions of one pipeline are called in one folder, in any order but that comparisons come behind their renders; this file is
+# included there or above. A SCENE.rtmesh or ATLAS.rtatlas may also be there already, or be made by a rule of that folder (OUTPUT
+# or BYPRODUCTS) or by another target SCENE or ATLAS; where nothing makes it CMake says so.
+# RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders frames side by side, one on each device at
+# a time; what has no frames is the first device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
 cmake_minimum_required(VERSION 3.25)
 
 set(RT_TOOLS_DIR "" CACHE PATH "Folder with the tools; searched in PATH if empty")
@@ -43,7 +44,7 @@ foreach(tool IN ITEMS import grid trace compare)
 endforeach()
 enable_testing()
 
-# Import and grid use all cores: one at a time keeps memory low and measured times true. So does a device.
+# Import and grid use all cores: one at a time keeps memory low and measured times true. So does one step on a device.
 get_property(_rt_pools GLOBAL PROPERTY JOB_POOLS) # has them if another folder includes this file too
 string(REPLACE "," ";" RT_DEVICES "${RT_DEVICES}")
 if(RT_DEVICES STREQUAL "")

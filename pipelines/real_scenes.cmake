@@ -30,10 +30,9 @@ while(_rt_left)
     endif()
 endwhile()
 
-option(RT_REDUCED "Small scenes and pictures, few passes" ${RT_SOFTWARE})
-
-# rt_set_size(VARIABLE full reduced "what it is"): a variable of the cache whose default RT_REDUCED chooses.
+# rt_set_size(VARIABLE full reduced "what it is"): a variable of the cache whose default the option RT_REDUCED chooses.
 function(rt_set_size variable full reduced what)
+    option(RT_REDUCED "Small scenes and pictures, few passes" ${RT_SOFTWARE})
     set(default "${full}")
     if(RT_REDUCED)
         set(default "${reduced}")

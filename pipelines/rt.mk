@@ -6,8 +6,8 @@
 #   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
 #   query.hits: hall.rtatlas sun.rays                     what rt-trace --rays finds for these rays
 #   view.passed: view.exr goldens/view.exr                two pictures compared; made anew each time that they are compared and agree, so
-#                                                         that what is made of it is too. Make begins by removing all of the folder,
-#                                                         so that there are those which the last run got as far as, and which agreed
+#                                                         that what is made of it is too. Make removes all of the folder before it makes
+#                                                         anything: there are those that its last run came to and that agreed
 #   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
 #
 # FILE.json holds the figures of each step. Every step is called each time, and does nothing where its inputs, options and tool
