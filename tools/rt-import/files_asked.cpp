@@ -88,8 +88,8 @@ std::vector<std::string> FilesAsked::foldersOfMissing(const std::string& text) c
 
 std::string FilesAsked::namedPath(const Place& place, const fs::path& found) const {
     const fs::path relative = found.lexically_relative(folders_[place.folder].real);
-    const fs::path named = folders_[place.folder].named;
-    return (relative == "." ? named : named / relative).lexically_normal().string();
+    const fs::path path = (folders_[place.folder].named / relative).lexically_normal();
+    return (path.has_filename() ? path : path.parent_path()).string(); // no slash at the end
 }
 
 std::string FilesAsked::stateOf(const Place& place) const {

@@ -19,14 +19,14 @@ std::vector<RecipeInput> inputsOf(const std::vector<std::string>& paths) {
     return inputs;
 }
 
-// A folder of outputs, and where a build tool runs and keeps its own files, is newer than them each time:
-// that tool would never be done.
-bool isWrittenInto(const std::string& folder, const ImportOptions& options) {
+// A folder of outputs, or of Ninja's own files, is newer than the outputs after each run: Ninja would never
+// be done.
+bool isWrittenInto(const std::filesystem::path& folder, const ImportOptions& options) {
     const std::filesystem::path real = realPath(folder);
     const std::vector<std::string> outputs = outputsOf(options);
-    return real == realPath(".") ||
+    return std::filesystem::exists(folder / ".ninja_log") ||
            std::any_of(outputs.begin(), outputs.end(), [&](const std::filesystem::path& output) {
-               return real == realPath(output.parent_path());
+               return real == realPath(output.has_parent_path() ? output.parent_path() : ".");
            });
 }
 
