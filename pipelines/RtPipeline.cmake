@@ -13,10 +13,13 @@
 #   rt_add_regression(NAME RENDER render GOLDENS folder [MAX_RMSE x] [ARGS ...])
 #                                           the same; the target update_goldens takes the renders for the goldens
 #
-# Ninja does not see a file that is replaced by an older one, nor a texture or material file that was missing and appears: touch the model.
-# Functions of one pipeline are called in one folder, in which, or above which, this file is included. RT_DEVICES, devices with commas
-# between them as rt-trace --device takes them, renders frames side by side, one on each device at a time with Ninja; what has no frames is the first
-# device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
+# Ninja does not see a file that is replaced by an older one: touch the model; nor, in the folder that it builds in, a texture or
+# material file that was missing and appears.
+# Functions of one pipeline are called in one folder, in any order but that comparisons come behind their renders; this file is
+# included there or above. A SCENE.rtmesh or ATLAS.rtatlas may also be there already, or be made by a rule of that folder (OUTPUT
+# or BYPRODUCTS) or by another target SCENE or ATLAS; where nothing makes it CMake says so.
+# RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders frames side by side, one on each device at
+# a time; what has no frames is the first device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
 cmake_minimum_required(VERSION 3.25)
 
 set(RT_TOOLS_DIR "" CACHE PATH "Folder with the tools; searched in PATH if empty")
@@ -41,7 +44,7 @@ foreach(tool IN ITEMS import grid trace compare)
 endforeach()
 enable_testing()
 
-# Import and grid use all cores: one at a time keeps memory low and measured times true. So does a device.
+# Import and grid use all cores: one at a time keeps memory low and measured times true. So does one step on a device.
 get_property(_rt_pools GLOBAL PROPERTY JOB_POOLS) # has them if another folder includes this file too
 string(REPLACE "," ";" RT_DEVICES "${RT_DEVICES}")
 if(RT_DEVICES STREQUAL "")
@@ -76,28 +79,60 @@ function(_rt_parse single lists required)
     endforeach()
 endfunction()
 
-# _rt_step(NAME TOOL POOL OUTPUTS ... INPUTS ... ARGS ...): one call of a tool.
+# _rt_step(NAME TOOL POOL OUTPUTS ... INPUTS ... ARGS ...): one call of a tool, one at a time in each pool.
 function(_rt_step name tool pool)
     cmake_parse_arguments(PARSE_ARGV 3 STEP "" "" "OUTPUTS;INPUTS;ARGS")
+    set(alone "")
+    if(NOT CMAKE_GENERATOR MATCHES Ninja) # which has pools
+        set(alone flock --no-fork ${CMAKE_BINARY_DIR}/${pool}.lock)
+    endif()
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
     if(TEST ${name})
         message(FATAL_ERROR "${name} is a comparison already, which has the same files")
     endif()
-    set_property(GLOBAL APPEND PROPERTY RT_STEPS ${base})
+    set_property(DIRECTORY APPEND PROPERTY RT_MADE ${STEP_OUTPUTS} ${base}.json)
     add_custom_command(
         OUTPUT ${STEP_OUTPUTS} ${base}.json
-        COMMAND ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d
+        COMMAND ${alone} ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d
         DEPENDS ${STEP_INPUTS} ${tool}
         DEPFILE ${base}.d
         COMMENT "Making ${name}" JOB_POOL ${pool} VERBATIM)
 endfunction()
 
-# _rt_target(NAME MAKER file...): a target of these files, of which MAKER's are made; Make, unlike Ninja, would make those twice.
-function(_rt_target name maker)
+# _rt_target(NAME MAKER SUFFIX file...): a target of these files, which are made of MAKER.SUFFIX; none if SUFFIX is empty.
+function(_rt_target name maker suffix)
     add_custom_target(${name} ALL DEPENDS ${ARGN})
-    if(TARGET "${maker}")
-        add_dependencies(${name} ${maker})
+    set_target_properties(${name} PROPERTIES RT_FILES "${ARGN}")
+    if(suffix) # what makes it may come later; the call gets the values of now
+        cmake_language(EVAL CODE "cmake_language(DEFER DIRECTORY [[${CMAKE_SOURCE_DIR}]] CALL _rt_require
+            [[${CMAKE_CURRENT_LIST_FILE}]] [[${name}]] [[${maker}]] [[${suffix}]] [[${CMAKE_CURRENT_BINARY_DIR}]])")
     endif()
+endfunction()
+
+# Has NAME wait for the target MAKER. Refuses a MAKER.SUFFIX that is neither there nor made by a step or rule of its folder nor by
+# a target of another kind.
+function(_rt_require list_file name maker suffix folder)
+    set(file ${folder}/${maker}.${suffix})
+    get_source_file_property(is_made ${file} DIRECTORY ${folder} GENERATED)
+    set(is_own ON)
+    if(TARGET ${maker})
+        add_dependencies(${name} ${maker}) # Make, unlike Ninja, would make that twice
+        get_target_property(is_own ${maker} RT_FILES)
+    endif()
+    get_property(told GLOBAL PROPERTY RT_TOLD)
+    if(is_made OR NOT is_own OR file IN_LIST told)
+        return()
+    endif()
+    if(EXISTS ${file})
+        message(NOTICE "${file} is taken as it is, since nothing makes it")
+        set_property(GLOBAL APPEND PROPERTY RT_TOLD ${file})
+        return()
+    endif()
+    get_property(made DIRECTORY ${folder} PROPERTY RT_MADE)
+    list(FILTER made INCLUDE REGEX "\\.${suffix}$")
+    list(TRANSFORM made REPLACE "^.*/" "")
+    list(JOIN made ", " made)
+    message(SEND_ERROR "${list_file}: ${name} needs ${maker}.${suffix}, which nothing makes in ${folder}; known there: ${made}")
 endfunction()
 
 # Sets `options` to those that choose a device.
@@ -118,7 +153,7 @@ function(rt_add_scene name)
     endforeach()
     set(mesh ${CMAKE_CURRENT_BINARY_DIR}/${name}.rtmesh)
     _rt_step(${name} ${RT_IMPORT} rt_tools OUTPUTS ${mesh} INPUTS ${models} ARGS ${models} -o ${mesh} --if-changed ${ARG_ARGS})
-    _rt_target(${name} "" ${mesh})
+    _rt_target(${name} "" "" ${mesh})
 endfunction()
 
 function(rt_add_atlas name)
@@ -132,7 +167,7 @@ function(rt_add_atlas name)
         endif()
     endforeach()
     _rt_step(${name} ${RT_GRID} rt_tools OUTPUTS ${atlas} INPUTS ${mesh} ARGS ${mesh} -o ${atlas} --if-changed ${ARG_ARGS})
-    _rt_target(${name} ${ARG_SCENE} ${atlas})
+    _rt_target(${name} ${ARG_SCENE} rtmesh ${atlas})
 endfunction()
 
 # One step for each frame: those that did not change are skipped, and several devices share them. --reproducible: a picture
@@ -171,8 +206,8 @@ function(rt_add_render name)
     else()
         message(FATAL_ERROR "FRAMES ${ARG_FRAMES}: not a range such as 1-48")
     endif()
-    _rt_target(${name} ${ARG_ATLAS} ${files})
-    set_target_properties(${name} PROPERTIES RT_FILES "${files}")
+    _rt_target(${name} ${ARG_ATLAS} rtatlas ${files})
+    set_property(GLOBAL APPEND PROPERTY RT_RENDERS ${name})
 endfunction()
 
 # One step of rt-trace; sets `file` to its EXR.
@@ -193,7 +228,7 @@ function(rt_add_query name)
     _rt_device(device_options 0)
     _rt_step(${name} ${RT_TRACE} rt_device_0 OUTPUTS ${hits} INPUTS ${atlas} ${ARG_RAYS}
              ARGS ${atlas} --rays ${ARG_RAYS} -o ${hits} --if-changed ${device_options} ${ARG_ARGS})
-    _rt_target(${name} ${ARG_ATLAS} ${hits})
+    _rt_target(${name} ${ARG_ATLAS} rtatlas ${hits})
 endfunction()
 
 function(rt_add_comparison name)
@@ -223,7 +258,7 @@ endfunction()
 # A test for each picture, with further options of rt-compare.
 function(_rt_compare name render references max_rmse)
     _rt_files_of(files ${render})
-    get_property(steps GLOBAL PROPERTY RT_STEPS)
+    get_property(made DIRECTORY PROPERTY RT_MADE)
     list(LENGTH files count)
     list(LENGTH references wanted)
     string(LENGTH ${render} render_length)
@@ -239,7 +274,7 @@ function(_rt_compare name render references max_rmse)
         string(SUBSTRING ${stem} ${render_length} -1 number) # .0001, or nothing
         set(test ${name}${number})
         set(base ${CMAKE_CURRENT_BINARY_DIR}/${test})
-        if(base IN_LIST steps)
+        if("${base}.json" IN_LIST made)
             message(FATAL_ERROR "${test} is a step already, whose files a comparison of that name would replace")
         endif()
         file(REAL_PATH ${picture} picture_path)
@@ -253,12 +288,11 @@ endfunction()
 
 # Sets `files` to the EXR files of a render.
 function(_rt_files_of files render)
-    set(of_render "")
-    if(TARGET ${render})
-        get_target_property(of_render ${render} RT_FILES)
+    get_property(renders GLOBAL PROPERTY RT_RENDERS)
+    if(NOT render IN_LIST renders)
+        list(JOIN renders ", " renders)
+        message(FATAL_ERROR "${render} is no rt_add_render() above this call; there are: ${renders}")
     endif()
-    if(NOT of_render)
-        message(FATAL_ERROR "${render} is no rt_add_render() of this project")
-    endif()
+    get_target_property(of_render ${render} RT_FILES)
     set(${files} ${of_render} PARENT_SCOPE)
 endfunction()

@@ -29,3 +29,13 @@ while(_rt_left)
         set(RT_SOFTWARE OFF)
     endif()
 endwhile()
+
+# rt_set_size(VARIABLE full reduced "what it is"): a variable of the cache whose default the option RT_REDUCED chooses.
+function(rt_set_size variable full reduced what)
+    option(RT_REDUCED "Small scenes and pictures, few passes" ${RT_SOFTWARE})
+    set(default "${full}")
+    if(RT_REDUCED)
+        set(default "${reduced}")
+    endif()
+    set(${variable} "${default}" CACHE STRING "${what}")
+endfunction()

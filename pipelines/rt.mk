@@ -6,7 +6,8 @@
 #   view.exr: hall.rtatlas                                view.exr and view.png; view.0012.exr is frame 12
 #   query.hits: hall.rtatlas sun.rays                     what rt-trace --rays finds for these rays
 #   view.passed: view.exr goldens/view.exr                two pictures compared; made anew each time that they are compared and agree, so
-#                                                         that what is made of it is too; gone if they differ
+#                                                         that what is made of it is too. Make removes all of the folder before it makes
+#                                                         anything: there are those that its last run came to and that agreed
 #   fine.rtatlas: RT_GRID_FLAGS = --quality best          options, of one file or, without "fine.rtatlas:", of all
 #
 # FILE.json holds the figures of each step. Every step is called each time, and does nothing where its inputs, options and tool
@@ -28,18 +29,22 @@ rt_common = --json $@.json --if-changed
 rt_inputs = $(or $(filter $(1),$^),$(error no $(1) is named as what $@ is made of))
 # 0012 for NAME.0012.exr
 rt_frame = $(shell expr "$(suffix $*)" : '[.]\([0-9][0-9]*\)$$')
-rt_models = $(or $(RT_MODELS),$(filter-out rt-always,$<),$(error $@: no model of its name, and no RT_MODELS))
+rt_first_device = $(firstword $(subst $(rt_comma), ,$(RT_DEVICES)) auto)
+rt_models = $(or $(RT_MODELS),$(filter-out .rt-always,$<),$(error $@: no model of its name, and no RT_MODELS))
 
-.PHONY: rt-always
+.PHONY: .rt-always
+.rt-always: # before all else; the name is none of a default goal
+	@rm -f *.passed
+
 define rt_import
 $(rt_bin)rt-import $(rt_models) -o $@ $(rt_common) $(RT_IMPORT_FLAGS)
 endef
 
-$(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: %.$(kind) rt-always; $$(rt_import)))
-%.rtmesh: rt-always
+$(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: %.$(kind) .rt-always; $$(rt_import)))
+%.rtmesh: .rt-always
 	$(rt_import)
 
-%.rtatlas: rt-always
+%.rtatlas: .rt-always
 	$(rt_bin)rt-grid $(call rt_inputs,%.rtmesh) -o $@ $(rt_common) $(RT_GRID_FLAGS)
 
 # A frame's device follows from its number. A picture that is made of nothing, a golden say, is left as it is.
@@ -48,14 +53,14 @@ rt_trace = set -- $(or $(subst $(rt_comma), ,$(RT_DEVICES)),auto); shift $$(expr
 	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
 rt_missing = echo "$@ is missing, and no %.rtatlas is named as what it is made of; if it is a golden: look at the new picture and copy \
 	it there (update-goldens in the examples)" >&2; exit 1
-%.exr %.png: rt-always
+%.exr %.png: .rt-always
 	@$(if $(filter %.rtatlas,$^),$(rt_trace),$(if $(wildcard $@),:,$(rt_missing)))
 
-%.hits: rt-always
-	$(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) --rays $(call rt_inputs,%.rays) -o $@ \
-	$(if $(filter-out auto,$(RT_DEVICES)),--device $(firstword $(subst $(rt_comma), ,$(RT_DEVICES)))) $(rt_common) $(RT_QUERY_FLAGS)
+%.hits: .rt-always
+	flock .rt-device-$(rt_first_device).lock $(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) --rays $(call rt_inputs,%.rays) -o $@ \
+	$(addprefix --device ,$(filter-out auto,$(rt_first_device))) $(rt_common) $(RT_QUERY_FLAGS)
 
-%.passed: rt-always
-	@rm -f $@
+%.passed: .rt-always
+	@rm -f $@ # in other folders
 	$(rt_bin)rt-compare $(call rt_inputs,%.exr) --json $*.json --html $*.html --if-changed $(RT_COMPARE_FLAGS)
 	@touch $@

@@ -15,6 +15,7 @@ namespace rt {
 namespace {
 
 using test::CommandResult;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -69,6 +70,21 @@ TEST_F(ImportCli, WritesMeshReportAndDependencies) {
         "first":[{"mesh":"tableBed.001_Plane.003","face":2},{"mesh":"tableBed.001_Plane.003","face":3},
                  {"mesh":"tableBed.001_Plane.003","face":6},{"mesh":"tableBed.001_Plane.003","face":7},
                  {"mesh":"tableBed.001_Plane.003","face":10}]})"));
+}
+
+TEST_F(ImportCli, DependsOnTheFolderOfAMissingTextureUnlessThatIsWrittenInto) {
+    const std::string model = folder_.file("model.obj"), below = folder_.file("below");
+    std::filesystem::create_directory(below);
+    std::ofstream(model) << "mtllib m.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    std::ofstream(folder_.file("m.mtl")) << "newmtl m\nmap_Kd wood.png\n";
+    ASSERT_EQ(run({model, "-o", below + "/m.rtmesh", "--depfile", below + "/d"}).exitCode, 0);
+    EXPECT_THAT(test::readText(below + "/d"),
+                EndsWith("m.mtl \\\n  " + std::filesystem::path(model).parent_path().string() + "\n"));
+    ASSERT_EQ(run({model, "-o", below + "/m.rtmesh", "--depfile", folder_.file("d")}).exitCode, 0);
+    EXPECT_THAT(test::readText(folder_.file("d")), EndsWith("m.mtl\n"));
+    std::ofstream(folder_.file(".ninja_log")) << "";
+    ASSERT_EQ(run({model, "-o", below + "/m.rtmesh", "--depfile", below + "/d"}).exitCode, 0);
+    EXPECT_THAT(test::readText(below + "/d"), EndsWith("m.mtl\n"));
 }
 
 TEST_F(ImportCli, SameInputGivesSameBytes) {

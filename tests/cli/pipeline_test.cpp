@@ -9,6 +9,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <thread>
 
 namespace rt::test {
@@ -133,15 +134,25 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
         writeSteps(call);
         const CommandResult result = configure();
         EXPECT_NE(result.exitCode, 0);
-        EXPECT_THAT(result.err, HasSubstr(words));
+        // CMake breaks lines.
+        EXPECT_THAT(std::regex_replace(result.err, std::regex("\\s+"), " "), HasSubstr(words));
     };
     expectRefused("rt_add_atlas(uniform STRUCTURE uniform)\n", "SCENE is missing");
+    expectRefused("rt_add_atlas(x SCENE scenes)\n", "x needs scenes.rtmesh, which nothing makes in ");
+    expectRefused(
+        "rt_add_render(r ATLAS scene SIZE 8x8)\nrt_add_atlas(x SCENE scene)\nrt_add_atlas(y SCENE scene)\n",
+        "r needs scene.rtatlas, which nothing makes");
+    expectRefused(
+        "rt_add_query(q ATLAS z RAYS few.rays)\nrt_add_atlas(x SCENE scene)\nrt_add_atlas(y SCENE scene)\n",
+        "/build; known there: x.rtatlas, y.rtatlas");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8 FRAMES many)\n",
                   "not a range");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8 FRAMES 3-1)\n",
                   "FRAMES 3-1: the last frame is before the first");
     expectRefused("rt_add_query(q ATLAS x)\n", "RAYS is missing");
-    expectRefused("rt_add_comparison(c A nothing B scene)\n", "scene is no rt_add_render");
+    expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
+                  "rt_add_comparison(c A r B scene)\n",
+                  "scene is no rt_add_render() above this call; there are: r");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
                   "rt_add_regression(r RENDER r GOLDENS g)\n",
                   "r is a step already");
@@ -151,6 +162,41 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
                   "rt_add_regression(s RENDER r GOLDENS g)\nrt_add_render(s ATLAS x SIZE 8x8)\n",
                   "s is a comparison already");
+}
+
+TEST_F(CMakePipeline, WhatStepsNameMayBeMadeLaterOrByHandOrBeThere) {
+    std::filesystem::create_directories(folder_.file("sub"));
+    std::filesystem::create_directories(folder_.file("build/sub"));
+    write("sub/CMakeLists.txt",
+          "rt_add_render(picture ATLAS late SIZE 8x8)\nrt_add_atlas(late SCENE hand)\n"
+          "add_custom_command(OUTPUT hand.rtmesh COMMAND ${CMAKE_COMMAND} -E copy "
+          "${CMAKE_BINARY_DIR}/scene.rtmesh "
+          "hand.rtmesh DEPENDS scene)\nadd_custom_target(own COMMAND true)\nrt_add_atlas(x SCENE own)\n"
+          "rt_add_atlas(y SCENE there)\nrt_add_atlas(z SCENE there)\n");
+    write("build/sub/there.rtmesh", "");
+    writeSteps("add_subdirectory(sub)\n");
+    const CommandResult configured = configure();
+    ASSERT_EQ(configured.exitCode, 0) << configured.err;
+    EXPECT_EQ(configured.err,
+              folder_.file("build") + "/sub/there.rtmesh is taken as it is, since nothing makes it\n");
+    const CommandResult built = build("picture");
+    EXPECT_EQ(built.exitCode, 0) << built.out << built.err;
+}
+
+TEST_F(CMakePipeline, ATextureThatWasMissingIsSeenWhenItAppears) {
+    write("model.obj", "mtllib model.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    write("model.mtl", "newmtl red\nmap_Kd art/red.ppm\n");
+    writeSteps("rt_add_atlas(atlas SCENE scene)\n");
+    ASSERT_EQ(configure().exitCode, 0);
+    ASSERT_EQ(build().exitCode, 0);
+    expectNothingToDo();
+    std::filesystem::create_directory(folder_.file("art"));
+    EXPECT_THAT(build().out, HasSubstr("up to date"));
+    expectNothingToDo();
+    write("art/red.ppm", "P6 1 1 255\nabc");
+    EXPECT_THAT(build().out, HasSubstr("rt-grid"));
+    EXPECT_EQ(report("scene").at("images"), 1);
+    expectNothingToDo();
 }
 
 TEST_F(CMakePipeline, ValuesThatReadAsFalseReachTheTools) {
@@ -193,15 +239,20 @@ TEST_F(CMakePipeline, MissingToolsAreNamedAndFoundWhereTheyAreNext) {
     EXPECT_EQ(configure().exitCode, 0);
 }
 
-TEST_F(CMakePipeline, MakefilesMakeEachStepOnce) {
-    writeSteps(
-        "foreach(i RANGE 1 3)\nrt_add_atlas(atlas${i} SCENE scene)\n"
-        "rt_add_render(a${i} ATLAS atlas${i} SIZE 8x8)\nrt_add_render(b${i} ATLAS atlas${i} SIZE 8x8)\n"
-        "endforeach()\nrt_add_regression(test RENDER a1 GOLDENS goldens)\n");
-    ASSERT_EQ(runCommand({CMAKE_PATH, "-G", "Unix Makefiles", "-S", folder_.file("."), "-B",
-                          folder_.file("build"), "-DRT_TOOLS_DIR=" RT_BIN_DIR, "-DRT_DEVICES=software"})
-                  .exitCode,
-              0);
+TEST_F(CMakePipeline, MakefilesMakeEachStepOnceAndOneAtATimeOnADevice) {
+    writeSteps("foreach(i RANGE 1 3)\nrt_add_render(a${i} ATLAS atlas${i} SIZE 8x8)\n"
+               "rt_add_atlas(atlas${i} SCENE scene)\nrt_add_render(b${i} ATLAS atlas${i} SIZE 8x8)\n"
+               "endforeach()\nrt_add_regression(test RENDER a1 GOLDENS goldens)\n");
+    // An rt-trace that fails where another one is at work.
+    const std::string trace = folder_.file("rt-trace"), busy = folder_.file("busy");
+    write("rt-trace", "#!/bin/sh\nmkdir " + busy +
+                          " || exit\nsleep 0.05\n" RT_BIN_DIR "/rt-trace \"$@\" && rmdir " + busy + "\n");
+    std::filesystem::permissions(trace, std::filesystem::perms::owner_all);
+    ASSERT_EQ(
+        runCommand({CMAKE_PATH, "-G", "Unix Makefiles", "-S", folder_.file("."), "-B", folder_.file("build"),
+                    "-DRT_TOOLS_DIR=" RT_BIN_DIR, "-DRT_DEVICES=software", "-DRT_TRACE=" + trace})
+            .exitCode,
+        0);
     const CommandResult built = runCommand(
         {CMAKE_PATH, "--build", folder_.file("build"), "-j8", "--target", "all", "update_goldens"});
     ASSERT_EQ(built.exitCode, 0) << built.err;
@@ -273,8 +324,8 @@ protected:
                           "update-goldens: $(FRAMES:%=%.exr)\n\tcp $^ goldens/\n");
     }
 
-    CommandResult makeWith(const char* flags) {
-        return runCommand({"/usr/bin/make", "-C", folder_.file("."), "turn.0008.exr", flags});
+    CommandResult makeWith(const char* flags, const char* target = "turn.0008.exr") {
+        return runCommand({"/usr/bin/make", "-C", folder_.file("."), target, flags});
     }
     CommandResult make(const char* target) {
         return runCommand({"/usr/bin/make", "-k", "-j2", "-C", folder_.file("."), target});
@@ -310,6 +361,19 @@ TEST_F(MakePipeline, FramesAreHeldAgainstGoldens) {
     EXPECT_NE(changed.exitCode, 0);
     EXPECT_THAT(changed.out, HasSubstr("verdict: fail"));
     EXPECT_FALSE(std::filesystem::exists(folder_.file("turn.0008.passed")));
+}
+
+TEST_F(MakePipeline, NoPassedIsLeftOfARunThatDoesNotComeToComparing) {
+    ASSERT_EQ(make("update-goldens").exitCode, 0);
+    for (const char* flags :
+         {"RT_TRACE_FLAGS=--no-such", "RT_IMPORT_FLAGS=--no-such", "RT_MODELS=none.obj"}) {
+        ASSERT_EQ(make("test").exitCode, 0);
+        makeWith("-n", "test");
+        EXPECT_TRUE(std::filesystem::exists(folder_.file("turn.0009.passed")));
+        EXPECT_NE(makeWith(flags, "test").exitCode, 0);
+        for (const char* passed : {"turn.0008.passed", "turn.0009.passed"})
+            EXPECT_FALSE(std::filesystem::exists(folder_.file(passed))) << passed << " with " << flags;
+    }
 }
 
 TEST_F(MakePipeline, AQueryFindsTheHitsOfItsRays) {

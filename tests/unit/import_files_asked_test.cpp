@@ -11,8 +11,10 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::fourColourImage;
+using testing::Each;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::UnorderedElementsAre;
 
 class ImportFilesAsked : public testing::Test, public test::ModelFiles {
 protected:
@@ -57,6 +59,19 @@ TEST_F(ImportFilesAsked, ChangeWithEachOfThem) {
     EXPECT_FALSE(changes("in/wood.ppm", "x")) << "farther from what the model says";
     fs::rename(path("in/art/wood.ppm"), path("in/wood.ppm"));
     EXPECT_NE(again(), text);
+}
+
+TEST_F(ImportFilesAsked, ThoseThatAreMissingAreAwaitedInTheDeepestFolderThatIsThere) {
+    EXPECT_THAT(asked().foldersOfMissing(text), ElementsAre(path("in"))) << "of C:/art/Wood.ppm there";
+    fs::remove(path("in/art/wood.ppm"));
+    text = import("in/m.obj").filesAsked;
+    EXPECT_THAT(asked().foldersOfMissing(text), UnorderedElementsAre(path("in/art"), path("in"), path("in")));
+    fs::remove(path("in/art"));
+    EXPECT_THAT(asked().foldersOfMissing(text), Each(path("in")));
+    const fs::path before = fs::current_path();
+    fs::current_path(path("in"));
+    EXPECT_THAT(FilesAsked({"m.obj"}, {}).foldersOfMissing(text), Each("."));
+    fs::current_path(before);
 }
 
 TEST_F(ImportFilesAsked, DoNotDependOnHowTheModelIsNamed) {

@@ -66,11 +66,30 @@ std::vector<std::string> FilesAsked::found(const std::string& text) const {
         Place place;
         if (record.starts_with(kAbsent) || !parse(record.substr(kRecipeIdDigits), place)) continue;
         const auto file = findBelow(folders_[place.folder].real, place.path);
-        if (!file) continue; // it has gone since
-        const fs::path relative = file->lexically_relative(folders_[place.folder].real);
-        paths.push_back((folders_[place.folder].named / relative).lexically_normal().string());
+        if (file) paths.push_back(namedPath(place, *file)); // or it has gone since
     }
     return paths;
+}
+
+std::vector<std::string> FilesAsked::foldersOfMissing(const std::string& text) const {
+    std::vector<std::string> paths;
+    for (const std::string& record : recordsOf(text)) {
+        Place place;
+        if (!record.starts_with(kAbsent) || !parse(record.substr(kRecipeIdDigits), place)) continue;
+        std::optional<fs::path> folder;
+        for (fs::path way = place.path; !folder;) {
+            way = way.parent_path();
+            folder = findBelow(folders_[place.folder].real, way);
+        }
+        paths.push_back(namedPath(place, *folder));
+    }
+    return paths;
+}
+
+std::string FilesAsked::namedPath(const Place& place, const fs::path& found) const {
+    const fs::path relative = found.lexically_relative(folders_[place.folder].real);
+    const fs::path path = (folders_[place.folder].named / relative).lexically_normal();
+    return (path.has_filename() ? path : path.parent_path()).string(); // no slash at the end
 }
 
 std::string FilesAsked::stateOf(const Place& place) const {

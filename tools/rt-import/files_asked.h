@@ -26,6 +26,10 @@ public:
     /// Paths of those that were found, by the names that the folders have on the command line.
     std::vector<std::string> found(const std::string& text) const;
 
+    /// For each of those that were not found, the deepest folder on the way to it that is there: it changes
+    /// when what is missing appears.
+    std::vector<std::string> foldersOfMissing(const std::string& text) const;
+
 private:
     struct Folder {
         std::filesystem::path named, real;
@@ -36,6 +40,7 @@ private:
     };
     std::string stateOf(const Place& place) const;
     bool parse(const std::string& name, Place& place) const;
+    std::string namedPath(const Place& place, const std::filesystem::path& found) const;
 
     std::vector<Folder> folders_;
     std::map<std::string, std::string> states_; // by folder and path

@@ -1,9 +1,11 @@
 #include "tools/rt-import/import_recipe.h"
 
 #include "common/binary_io.h"
+#include "tools/rt-import/model_folder.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 namespace rt {
@@ -15,6 +17,17 @@ std::vector<RecipeInput> inputsOf(const std::vector<std::string>& paths) {
     for (const std::string& path : paths)
         inputs.push_back({std::filesystem::path(path).filename().string(), path});
     return inputs;
+}
+
+// A folder of outputs, or of Ninja's own files, is newer than the outputs after each run: Ninja would never
+// be done.
+bool isWrittenInto(const std::filesystem::path& folder, const ImportOptions& options) {
+    const std::filesystem::path real = realPath(folder);
+    const std::vector<std::string> outputs = outputsOf(options);
+    return std::filesystem::exists(folder / ".ninja_log") ||
+           std::any_of(outputs.begin(), outputs.end(), [&](const std::filesystem::path& output) {
+               return real == realPath(output.has_parent_path() ? output.parent_path() : ".");
+           });
 }
 
 } // namespace
@@ -45,6 +58,8 @@ std::optional<std::string> ImportRecipe::dependencies(const std::string& filesAs
     std::vector<std::string> files = options_.sources.inputs;
     const std::vector<std::string> others = found(filesAsked);
     files.insert(files.end(), others.begin(), others.end());
+    for (const std::string& folder : asked_.foldersOfMissing(filesAsked))
+        if (!isWrittenInto(folder, options_)) files.push_back(folder);
     return dependenciesText(options_.common, outputsOf(options_), files);
 }
 
