@@ -19,15 +19,13 @@ std::vector<RecipeInput> inputsOf(const std::vector<std::string>& paths) {
     return inputs;
 }
 
-// A folder of outputs, or of Ninja's own files, is newer than the outputs after each run: Ninja would never
-// be done.
-bool isWrittenInto(const std::filesystem::path& folder, const ImportOptions& options) {
+// A folder of outputs is newer than they are after each run: what goes by its time would never be done.
+bool holdsAnOutput(const std::filesystem::path& folder, const ImportOptions& options) {
     const std::filesystem::path real = realPath(folder);
     const std::vector<std::string> outputs = outputsOf(options);
-    return std::filesystem::exists(folder / ".ninja_log") ||
-           std::any_of(outputs.begin(), outputs.end(), [&](const std::filesystem::path& output) {
-               return real == realPath(output.has_parent_path() ? output.parent_path() : ".");
-           });
+    return std::any_of(outputs.begin(), outputs.end(), [&](const std::filesystem::path& output) {
+        return real == realPath(output.has_parent_path() ? output.parent_path() : ".");
+    });
 }
 
 } // namespace
@@ -59,7 +57,7 @@ std::optional<std::string> ImportRecipe::dependencies(const std::string& filesAs
     const std::vector<std::string> others = found(filesAsked);
     files.insert(files.end(), others.begin(), others.end());
     for (const std::string& folder : asked_.foldersOfMissing(filesAsked))
-        if (!isWrittenInto(folder, options_)) files.push_back(folder);
+        if (!holdsAnOutput(folder, options_)) files.push_back(folder);
     return dependenciesText(options_.common, outputsOf(options_), files);
 }
 
