@@ -1,5 +1,4 @@
 """From a description to steps: what each runs, reads, writes, waits for and needs. Paths are relative to the run's folder."""
-import collections
 import dataclasses
 import hashlib
 import json
@@ -61,22 +60,10 @@ class Graph:
 
     def groups(self):
         """{name: steps}, in order."""
-        groups = collections.OrderedDict()
+        groups = {}
         for step in self.steps:
             groups.setdefault(step.group, []).append(step)
         return groups
-
-    def chunks(self):
-        """{group: its steps in lists that engines take as one array}."""
-        return {group: [steps[i : i + CHUNK] for i in range(0, len(steps), CHUNK)] for group, steps in self.groups().items()}
-
-    def group_dependencies(self):
-        """{group: names of the groups that it waits for}."""
-        group_of = {step.id: step.group for step in self.steps}
-        return {
-            group: sorted({group_of[id] for step in steps for id in step.depends_on}, key=list(self.groups()).index)
-            for group, steps in self.groups().items()
-        }
 
     def sources(self):
         """Inputs that no step makes."""
@@ -259,10 +246,9 @@ def add_comparison(builder, name, comparison, renders):
     """A step for each picture, because each has a page of its own."""
     pictures = renders[comparison["render"]]
     frames = frames_of(builder.description["renders"][comparison["render"]])
-    if "golden" in comparison:
-        check_goldens(builder, name, comparison, frames)
     number = ["" if frame is None else f".{frame:04d}" for frame in frames]
     if "golden" in comparison:
+        check_goldens(builder, name, comparison, frames)
         references = [builder.source(golden_of(comparison["golden"], frame)) for frame in frames]
     else:
         references = [picture["exr"] for picture in renders[comparison["against"]]]
