@@ -1,4 +1,5 @@
 """A Slurm of one node on the loopback interface, with its own configuration, key, state and logs in one folder."""
+import contextlib
 import itertools
 import os
 import pathlib
@@ -130,11 +131,10 @@ class SlurmCluster:
         if process is None:
             return
         victims = descendants(process.pid) | self.step_daemons() if name == "slurmd" else set()
-        for pid in [process.pid, *victims]:
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+        for number in (signal.SIGSTOP, signal.SIGKILL):  # so that none sees another die
+            for pid in [process.pid, *victims]:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, number)
         process.wait()
 
     def step_daemons(self):
