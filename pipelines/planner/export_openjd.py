@@ -3,7 +3,7 @@ import json
 import os
 
 from planner.errors import INVALID_CONTENT, PlanError
-from planner.graph import RETRIES
+from planner.graph import CHUNK, RETRIES
 
 NAME_LIMIT, JOB_NAME_LIMIT, PATH_LIMIT = 64, 128, 1024
 
@@ -34,13 +34,15 @@ def folder_parameter(folder, file):
 
 
 def steps_of(graph, plan):
-    chunks = graph.chunks()
-    dependencies = graph.group_dependencies()
-    steps = []
-    for group, parts in chunks.items():
-        awaited = [step_name(other, i) for other in dependencies[group] for i in range(len(chunks[other]))]
-        steps += [step_template(step_name(group, i), part, awaited, plan) for i, part in enumerate(parts)]
-    return steps
+    group_of = {step.id: step.group for step in graph.steps}
+    names, templates = {}, []  # of each group, in order
+    for group, steps in graph.groups().items():
+        awaited = {group_of[id] for step in steps for id in step.depends_on}
+        awaited = [name for other in names if other in awaited for name in names[other]]
+        parts = [steps[i : i + CHUNK] for i in range(0, len(steps), CHUNK)]
+        names[group] = [step_name(group, i) for i in range(len(parts))]
+        templates += [step_template(name, part, awaited, plan) for name, part in zip(names[group], parts)]
+    return templates
 
 
 def step_name(group, i):

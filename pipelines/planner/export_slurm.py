@@ -1,10 +1,11 @@
-"""A set of Slurm jobs: an array for each group of steps, tied by afterok, and submit.sh, which hands them in."""
+"""A set of Slurm jobs: arrays of steps, tied by afterok, or by aftercorr where task by task is enough, and submit.sh, which hands them in."""
 import re
 import shlex
 
 from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import write_whole
 from planner.graph import RETRIES
+from planner.slurm_arrays import arrays_of
 
 JOB = """#!/bin/sh
 #SBATCH --job-name={name}
@@ -57,17 +58,11 @@ echo "$jobs" | tr : '\\n'
 
 def export_slurm(graph, plan, folder, jobs_folder):
     """Writes the scripts and lists of tasks; each array task finds its step in line SLURM_ARRAY_TASK_ID of its list."""
-    chunks = graph.chunks()
-    dependencies = graph.group_dependencies()
     submissions = []
-    variables = {}  # group: the shell's variables that hold its jobs
-    for group, parts in chunks.items():
-        awaited = [f"${{{name}}}" for other in dependencies[group] for name in variables[other]]
-        variables[group] = [f"job_{len(submissions) + i + 1}" for i in range(len(parts))]
-        for i, (steps, name) in enumerate(zip(parts, variables[group])):
-            script, tasks = write_job(graph, plan, folder, jobs_folder, group, i, steps)
-            after = f"--dependency=afterok:{':'.join(awaited)} " if awaited else ""
-            submissions.append(f'{name}=$(sbatch "$@" --parsable {after}{script})\n{name}=${{{name}%;*}}; note "${name}" {tasks}')
+    for number, array in enumerate(arrays_of(graph), 1):
+        script, tasks = write_job(graph, plan, folder, jobs_folder, array)
+        name = f"job_{number}"
+        submissions.append(f'{name}=$(sbatch "$@" --parsable {dependency(array)}{script})\n{name}=${{{name}%;*}}; note "${name}" {tasks}')
     summary = jobs_folder / "summary.sbatch"
     write_whole(summary, SUMMARY.format(plan=shlex.join(plan), **directives(folder, f"{graph.name}.summary", "")), executable=True)
     text = SUBMIT.format(name=graph.name, folder=shlex.quote(str(folder)), submissions="\n".join(submissions),
@@ -83,16 +78,21 @@ def directives(folder, name, task):
     return {"name": f'"{name}"', "folder": f'"{folder}"', "log": f'"{log}"'}
 
 
-def write_job(graph, plan, folder, jobs_folder, group, i, steps):
+def dependency(array):
+    """An option of sbatch; the numbers of the jobs are in the shell's variables job_1 ..."""
+    kinds = (("afterok", array.after_all), ("aftercorr", array.after_each))
+    awaited = ",".join(":".join([kind, *(f"${{job_{i + 1}}}" for i in numbers)]) for kind, numbers in kinds if numbers)
+    return f"--dependency={awaited} " if awaited else ""
+
+
+def write_job(graph, plan, folder, jobs_folder, array):
     """Names of the job's script and of its list of tasks, quoted."""
-    stem = jobs_folder / (group + (f".{i + 1}" if i else ""))
-    tasks = stem.with_name(stem.name + ".tasks")
-    write_whole(tasks, "".join(f"{step.token}\n" for step in steps))
-    needs = steps[0].resources
+    script, tasks = (jobs_folder / f"{array.name}{end}" for end in (".sbatch", ".tasks"))
+    write_whole(tasks, "".join(f"{step.token}\n" for step in array.steps))
+    needs = array.steps[0].resources
     gres = f"#SBATCH --gres=gpu:{needs['gpus']}\n" if needs["gpus"] else ""
-    text = JOB.format(count=len(steps), plan=shlex.join(plan), gres=gres, tasks=shlex.quote(str(tasks)), retries=RETRIES,
+    text = JOB.format(count=len(array.steps), plan=shlex.join(plan), gres=gres, tasks=shlex.quote(str(tasks)), retries=RETRIES,
                       **{key: needs[key] for key in ("cores", "memory", "minutes")},
-                      **directives(folder, f"{graph.name}.{stem.name}", "-%a"))  # fmt: skip
-    script = stem.with_name(stem.name + ".sbatch")
+                      **directives(folder, f"{graph.name}.{array.name}", "-%a"))  # fmt: skip
     write_whole(script, text, executable=True)
     return shlex.quote(str(script)), shlex.quote(str(tasks))

@@ -1,6 +1,7 @@
 """Makes the goldens of a pipeline from the pictures of a run."""
 import contextlib
 import filecmp
+import functools
 import os
 import pathlib
 
@@ -33,14 +34,32 @@ def golden_path(folder, golden):
 
 
 def check_pictures(graph, folder, pictures):
-    """All are whole and of the last run."""
+    """All are whole, and of a run in which all went well that led to them."""
     steps = {step.id: step for step in graph.steps}
-    makers = {picture["exr"]: steps[picture["step"]] for made in graph.renders.values() for picture in made}
+    makers = {picture["exr"]: picture["step"] for made in graph.renders.values() for picture in made}
+    made = {output for step in graph.steps for output in step.outputs}
+    record_of = functools.cache(lambda id: read_record(folder, steps[id]))
+    is_done = functools.cache(lambda id: has_made(folder, record_of(id), made.intersection(steps[id].inputs)))
     for picture in pictures.values():
-        record = read_record(folder, makers[picture])
-        done = record and record["state"] in ("done", "skipped") and untouched(folder, record, [picture])
-        if not done:
-            raise PlanError(FILE_ACCESS, f"{folder / picture}: {makers[picture].id} has not made it, or it changed since; run the pipeline")
+        ids = lineage(steps, makers[picture])
+        failed = next((id for id in ids if record_of(id) and record_of(id)["state"] == "failed"), None)
+        if failed:
+            raise PlanError(FILE_ACCESS, f"{folder / picture}: is not of a finished run: {failed} failed; see {folder / steps[failed].log}, and run the pipeline again")
+        if not all(map(is_done, ids)) or not has_made(folder, record_of(makers[picture]), [picture]):
+            raise PlanError(FILE_ACCESS, f"{folder / picture}: {makers[picture]} has not made it, or it changed since; run the pipeline")
+
+
+def lineage(steps, id):
+    """The step and all that it depends on."""
+    found = [id]
+    for id in found:
+        found += [other for other in steps[id].depends_on if other not in found]
+    return found
+
+
+def has_made(folder, record, files):
+    """Whether it ended well, and these that it read or wrote are still the same."""
+    return record and record["state"] in ("done", "skipped") and untouched(folder, record, files)
 
 
 def replace_all(pairs):

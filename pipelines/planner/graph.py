@@ -1,5 +1,4 @@
 """From a description to steps: what each runs, reads, writes, waits for and needs. Paths are relative to the run's folder."""
-import collections
 import dataclasses
 import hashlib
 import json
@@ -61,22 +60,10 @@ class Graph:
 
     def groups(self):
         """{name: steps}, in order."""
-        groups = collections.OrderedDict()
+        groups = {}
         for step in self.steps:
             groups.setdefault(step.group, []).append(step)
         return groups
-
-    def chunks(self):
-        """{group: its steps in lists that engines take as one array}."""
-        return {group: [steps[i : i + CHUNK] for i in range(0, len(steps), CHUNK)] for group, steps in self.groups().items()}
-
-    def group_dependencies(self):
-        """{group: names of the groups that it waits for}."""
-        group_of = {step.id: step.group for step in self.steps}
-        return {
-            group: sorted({group_of[id] for step in steps for id in step.depends_on}, key=list(self.groups()).index)
-            for group, steps in self.groups().items()
-        }
 
     def sources(self):
         """Inputs that no step makes."""
@@ -144,20 +131,21 @@ class Builder:
         files = [self.source(word["file"]) for word in options if isinstance(word, dict)]
         return [word if isinstance(word, str) else self.source(word["file"]) for word in options], files
 
-    def resources(self, stage, item):
+    def said(self, stage, item):
+        """What the description says of a step's resources."""
         general = self.description.get("resources", {}).get(stage, {})
-        return RESOURCES[stage] | general | (item.get("resources", {}) if stage != "merge" else {})
+        return general if stage == "merge" else general | item.get("resources", {})
 
     def threads(self, stage, item):
         """-j, where the description says how many cores the step has."""
-        said = self.description.get("resources", {}).get(stage, {}) | item.get("resources", {})
+        said = self.said(stage, item)
         return ["-j", str(said["cores"])] if "cores" in said else []
 
     def add(self, stage, id, group, words, inputs, outputs, item, **more):
         tool = {"import": "rt-import", "grid": "rt-grid", "compare": "rt-compare"}.get(stage, "rt-trace")
         program = (self.tools_folder / tool).as_posix() if self.tools_folder else tool
         depends_on = list(dict.fromkeys(self.makers[file] for file in inputs if file in self.makers))
-        step = Step(id, stage, group, [program, *words], inputs, outputs, depends_on, self.resources(stage, item), **more)
+        step = Step(id, stage, group, [program, *words], inputs, outputs, depends_on, RESOURCES[stage] | self.said(stage, item), **more)
         if id in self.ids:
             raise PlanError(INVALID_CONTENT, f"two steps would be called {id}: a name and a frame read like another name; rename one")
         self.ids.add(id)
@@ -227,7 +215,7 @@ def add_shards(builder, name, render, id, base, words, inputs, stem):
                     inputs, [parts[-1]], render)  # fmt: skip
     outputs = [f"{stem}.exr", f"{stem}.png"]
     merge = ["merge", *parts, "-o", outputs[0], "-o", outputs[1], *render.get("pngOptions", []), "--if-changed",
-             *builder.threads("merge", {})]  # fmt: skip
+             *builder.threads("merge", render)]  # fmt: skip
     builder.add("merge", id.replace("trace-", "merge-", 1), f"merge-{name}", merge, parts, outputs, render)
 
 
@@ -259,10 +247,9 @@ def add_comparison(builder, name, comparison, renders):
     """A step for each picture, because each has a page of its own."""
     pictures = renders[comparison["render"]]
     frames = frames_of(builder.description["renders"][comparison["render"]])
-    if "golden" in comparison:
-        check_goldens(builder, name, comparison, frames)
     number = ["" if frame is None else f".{frame:04d}" for frame in frames]
     if "golden" in comparison:
+        check_goldens(builder, name, comparison, frames)
         references = [builder.source(golden_of(comparison["golden"], frame)) for frame in frames]
     else:
         references = [picture["exr"] for picture in renders[comparison["against"]]]

@@ -1,7 +1,7 @@
 """Steps as JUnit test cases."""
 import xml.etree.ElementTree as ET
 
-from planner.files import tail
+from planner.files import printable, tail
 
 
 def suite(graph, folder, statuses):
@@ -23,8 +23,3 @@ def suite(graph, folder, statuses):
 def seconds(status):
     """Of all attempts together."""
     return sum(attempt["end"] - attempt["start"] for attempt in status.attempts if attempt.get("end"))
-
-
-def printable(text):
-    """Without what XML cannot hold."""
-    return "".join(c for c in text if c in "\n\t" or c >= " ")

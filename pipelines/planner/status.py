@@ -7,6 +7,7 @@ import os
 from planner.files import try_lock
 from planner.run_here import RUN_LOCK
 from planner.run_step import lock_path, missing_outputs, read_record
+from planner.slurm_arrays import arrays_of
 
 FINISHED, FAILED, UNFINISHED = 0, 1, 10
 STATES = ("done", "skipped", "failed", "running", "waiting", "blocked")
@@ -30,19 +31,18 @@ def run_status(graph, folder, queue=None, is_silent=False):
     found = {}
     for step in graph.steps:
         found[step.id] = step_status(step, folder, found, queue, is_silent)
-    statuses = list(found.values())
     if queue is not None:
-        blame_others(graph, statuses)
-    return statuses
+        blame_others(graph, found)
+    return list(found.values())
 
 
-def blame_others(graph, statuses):
-    """Slurm cancels an array if any step of those that it waited for fails."""
-    culprits = {status.step.group: status for status in reversed(statuses) if status.state in ("failed", "blocked")}
-    awaited = graph.group_dependencies()
-    for status in statuses:
-        culprit = next((culprits[group] for group in awaited[status.step.group] if group in culprits), None)
-        if status.why == LOST and culprit:
+def blame_others(graph, found):
+    """Slurm cancels an array if any step of another fails that it waited for as a whole."""
+    arrays = arrays_of(graph)
+    for array in arrays:
+        awaited = (found[step.id] for number in array.after_all for step in arrays[number].steps)
+        culprit = next((status for status in awaited if status.state in ("failed", "blocked")), None)
+        for status in (found[step.id] for step in array.steps if culprit and found[step.id].why == LOST):
             status.why = f"{culprit.step.id} {culprit.state}, and Slurm starts {status.step.group} after all of {culprit.step.group} only"
 
 

@@ -1,8 +1,8 @@
 """An animation in shards on a real Slurm of one node, while its parts fail: plan_slurm_test.py PLAN BIN_DIR
 
 A shard fails once, the node dies in the middle of a shard, the controller is killed and comes back. In the end every
-frame is there once, whole, and the same to the bit as those of a run without Slurm and shards. Exit code 77 (skipped) where Slurm
-is not installed.
+frame is there once, whole, and the same to the bit as those of a run without Slurm and shards. In a second run a shard and a scene fail
+for good, which costs what depends on them and nothing else. Exit code 77 (skipped) where Slurm is not installed.
 """
 import json
 import os
@@ -33,14 +33,18 @@ DESCRIPTION = {
     "resources": {stage: NEEDS for stage in ("import", "grid", "trace", "merge", "compare")},
 }
 LOCAL = {key: DESCRIPTION[key] for key in ("scenes", "atlases", "resources")} | {"renders": {"around": DESCRIPTION["renders"]["whole"]}}
-# rt-trace, but: a shard of frame 2 fails the first time, one of frame 4 and both of frame 8 wait while hold.* is there.
+# rt-trace, but: a shard of frame 2 fails the first time, one of frame 4 and those of frames 8 and 9 wait while hold.* is there.
 FAULTY = """#!/bin/sh
 case "$*" in
 *--frames\\ 2-2\\ *--shard\\ 1/*) [ -e {0}/failed ] || {{ : >{0}/failed; echo 'rt-trace: error: the GPU went away' >&2; exit 6; }} ;;
 *--frames\\ 4-4\\ *--shard\\ 1/*) : >{0}/at.4; while [ -e {0}/hold.4 ]; do sleep 0.05; done ;;
-*--frames\\ 8-8\\ *--shard\\ *) : >>{0}/at.8; echo >>{0}/at.8; while [ -e {0}/hold.8 ]; do sleep 0.05; done ;;
+*--frames\\ [89]-*--shard\\ 1/*) echo >>{0}/at.8; while [ -e {0}/hold.8 ]; do sleep 0.05; done ;;
 esac
 exec {1}/rt-trace "$@"
+"""
+FAILING = """#!/bin/sh
+case "$*" in *--frames\\ 2-2\\ *--shard\\ 1/*) echo 'rt-trace: error: for good' >&2; exit 4 ;; esac
+exec {}/rt-trace "$@"
 """
 
 
@@ -88,16 +92,17 @@ def run_with_faults(trial, cluster):
     cluster.wait_for(lambda: "down" in cluster.ask("sinfo", "-h", "-o", "%t"), "Slurm does not see that the node is dead", 60)
     (trial.folder / "hold.4").unlink()
     cluster.start_node()
-    shards_of_8 = lambda: (trial.folder / "at.8").exists() and len((trial.folder / "at.8").read_text()) == SHARDS
-    cluster.wait_for(shards_of_8, "the shards of frame 8 do not start", 60)
-    time.sleep(6)  # slurmctld saves what it started within 5 s; see pipelines/README.md for what it had no time to save
+    shards_run = lambda: (trial.folder / "at.8").exists() and len((trial.folder / "at.8").read_text()) == 2
+    cluster.wait_for(shards_run, "the shards of frames 8 and 9 do not start", 60)
+    cluster.wait_for_save()  # see pipelines/README.md for what the controller had no time to save
     cluster.kill("slurmctld")
     print(f"{time.monotonic() - begin:5.1f} s: controller killed")
     (trial.folder / "hold.8").unlink()  # so that shards end while nobody listens
-    time.sleep(1)
+    records = [trial.folder / RUN / "steps" / f"trace-around-{frame:04d}-1of2.json" for frame in (8, 9)]
+    cluster.wait_for(lambda: all('"done"' in record.read_text() for record in records), "the shards of frames 8 and 9 do not end", 60)
     cluster.start_controller()
     try:
-        cluster.wait_for(lambda: trial.status(cluster, trial.folder / RUN)[0] in (0, 1), "not all steps end", 90)
+        cluster.wait_for(lambda: trial.status(cluster, trial.folder / RUN)[0] in (0, 1), "not all steps end", 120)
     finally:
         code, steps = trial.status(cluster, trial.folder / RUN)
         print("\n".join(f"{step['id']} {step['state']} {step['why']}" for step in steps if step["state"] not in ("done", "skipped")))
@@ -133,19 +138,28 @@ def without_recipe(picture):
     return re.sub(rb"rt-recipe:[0-9a-f]{16}:[0-9a-f]{16}.{4}", b"", picture, flags=re.DOTALL) if picture.startswith(b"\x89PNG") else picture
 
 
-def check_dead_end(trial, cluster):
-    """What waits for a step that fails is cancelled by Slurm, and status says why."""
+def check_failures(trial, cluster):
+    """What waits for a step that fails is cancelled by Slurm, and status says why; what does not is done."""
     (trial.folder / "broken.obj").write_text("v nonsense\n")
-    scenes = {"tent": {"inputs": ["broken.obj"]}}
-    (trial.folder / "broken.plan.json").write_text(json.dumps(DESCRIPTION | {"scenes": scenes}))
-    trial.run(sys.executable, trial.plan, "broken.plan.json", "--slurm", "broken-jobs", "--tools", trial.tools)
+    (trial.faulty / "rt-trace").write_text(FAILING.format(trial.tools))
+    broken = {
+        "scenes": DESCRIPTION["scenes"] | {"broken": {"inputs": ["broken.obj"]}},
+        "atlases": DESCRIPTION["atlases"] | {"broken": {"scene": "broken"}},
+        "renders": {name: SHOWN | more | {"frames": [1, 3]} for name, more in
+                    (("around", {"shards": SHARDS}), ("whole", {}), ("lost", {"atlas": "broken", "shards": SHARDS}))},
+    }  # fmt: skip
+    (trial.folder / "broken.plan.json").write_text(json.dumps(DESCRIPTION | broken))
+    trial.run(sys.executable, trial.plan, "broken.plan.json", "--slurm", "broken-jobs", "--tools", trial.faulty)
     trial.run("sh", "broken-jobs/submit.sh", environment=trial.environment | cluster.environment)
-    cluster.wait_for(lambda: trial.status(cluster, trial.folder / "broken")[0] == 1 and not cluster.ask("squeue", "-h"),
-                     "the queue is not emptied", 60)  # fmt: skip
-    steps = trial.status(cluster, trial.folder / "broken")[1]
-    states = [step["state"] for step in steps]
-    assert states == ["failed"] + ["blocked"] * (len(states) - 1), states
-    assert "import-tent" in steps[1]["why"] and "rt-import: error" in steps[0]["why"], steps[:2]
+    cluster.wait_for(lambda: not cluster.ask("squeue", "-h"), "the queue is not emptied", 120)
+    code, steps = trial.status(cluster, trial.folder / "broken")
+    bad = {step["id"]: f"{step['state']}: {step['why']}" for step in steps if step["state"] not in ("done", "skipped")}
+    lost = {"grid-broken": "import-broken failed"} | {f"trace-lost-{frame:04d}-{shard}of2": "grid-broken blocked" for frame in (1, 2, 3) for shard in (1, 2)}
+    lost |= {f"merge-lost-{frame:04d}": f"trace-lost-{frame:04d}-1of2 blocked" for frame in (1, 2, 3)}
+    lost |= {"merge-around-0002": "trace-around-0002-1of2 failed", "compare-same-0002": "merge-around-0002 blocked"}
+    failed = [bad.pop(id, "not") for id in ("import-broken", "trace-around-0002-1of2")]
+    assert code == 1 and all(why.startswith("failed: rt-") for why in failed), failed
+    assert bad == {id: f"blocked: {why}" for id, why in lost.items()}, bad
 
 
 def main():
@@ -165,7 +179,7 @@ def main():
         folder.chmod(0o755)
         with SlurmCluster(folder / "cluster") as cluster:
             check(trial, run_with_faults(trial, cluster))
-            check_dead_end(trial, cluster)
+            check_failures(trial, cluster)
         code, steps = trial.status(cluster, folder / RUN)
         assert code == 0, f"without Slurm the finished run's status ends with {code}: {steps}"
     return 0

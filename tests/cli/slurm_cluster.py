@@ -1,4 +1,6 @@
 """A Slurm of one node on the loopback interface, with its own configuration, key, state and logs in one folder."""
+import contextlib
+import itertools
 import os
 import pathlib
 import re
@@ -115,17 +117,24 @@ class SlurmCluster:
     def start_node(self):
         self.start("slurmd", "-D", "-N", "localhost")
 
+    def wait_for_save(self):
+        """Until the controller has written what it knows now: within 5 s after a change, so that there has to be one."""
+        saved, now = self.folder / "state" / "job_state", time.time() + 1
+        job = self.ask("squeue", "-h", "-t", "PENDING", "-o", "%A").split()[-1]
+        nices = itertools.count(1)
+        self.wait_for(lambda: self.ask("scontrol", "update", f"jobid={job}", f"nice={next(nices)}") == "" and saved.stat().st_mtime > now,
+                      "slurmctld does not save its state", 60)  # fmt: skip
+
     def kill(self, name):
         """With SIGKILL, and of the node also all that runs on it, as when its machine fails."""
         process = self.daemons.pop(name, None)
         if process is None:
             return
         victims = descendants(process.pid) | self.step_daemons() if name == "slurmd" else set()
-        for pid in [process.pid, *victims]:
-            try:
-                os.kill(pid, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+        for number in (signal.SIGSTOP, signal.SIGKILL):  # so that none sees another die
+            for pid in [process.pid, *victims]:
+                with contextlib.suppress(ProcessLookupError):
+                    os.kill(pid, number)
         process.wait()
 
     def step_daemons(self):
