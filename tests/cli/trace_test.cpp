@@ -233,6 +233,7 @@ TEST_F(TraceCommand, TracesRaysAndReportsTimes) {
     EXPECT_GT(json.at("mraysPerSecond").get<double>(), 0.0);
     EXPECT_EQ(json.at("structure"), "cloud");
     EXPECT_EQ(json.at("anyHit"), false);
+    EXPECT_EQ(json.at("hitsId"), contentIdOf(out.file("hits")).value_or(""));
     EXPECT_EQ(json.at("raysTotal"), 2);
     EXPECT_GT(json.at("firstDispatchMs").get<double>(), json.at("contextMs").get<double>());
 }
