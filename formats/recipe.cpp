@@ -100,10 +100,10 @@ std::optional<SharedSpan<std::byte>> bytesOfFile(const std::string& path) {
 }
 
 // Nothing for what is no container, or one that is not even valid as far as its table.
-std::optional<SectionFile> containerIn(const SharedSpan<std::byte>& bytes) try {
+std::optional<SectionFile> containerIn(Bytes bytes) try {
     for (const FileKind* kind : {&kMeshKind, &kAtlasKind})
         if (textOf(bytes).starts_with({kind->magic.data(), kind->magic.size()}))
-            return SectionFile(bytes, *kind);
+            return SectionFile(SharedSpan<std::byte>(bytes, nullptr), *kind);
     return std::nullopt;
 } catch (const Error&) {
     return std::nullopt;
@@ -115,23 +115,25 @@ std::string Recipe::mark() const {
     return isKnown() ? std::string(kMarkStart) + idOf(*this) + ':' + std::string(kSealDigits, '0') : "";
 }
 
-Recipe recipeOf(const std::string& making, const std::vector<RecipeInput>& inputs) {
-    std::string all = making;
-    for (const RecipeInput& input : inputs) {
-        const std::optional<std::string> content = contentIdOf(input.path);
-        if (!content) return {};
-        all += '\n' + input.role + '\0' + *content;
-    }
-    return Recipe(hexOf(XXH3_64bits(all.data(), all.size())));
+std::string contentIdOf(std::span<const std::byte> file) {
+    if (const auto container = containerIn(file)) return hexOf(container->contentHash());
+    const std::size_t mark = findMark(textOf(file), "");
+    const bool has = mark != std::string_view::npos;
+    return hexOf(has ? hashWithout(file, mark, kMarkBytes) : XXH3_64bits(file.data(), file.size()));
 }
 
 std::optional<std::string> contentIdOf(const std::string& path) {
     const auto bytes = bytesOfFile(path);
-    if (!bytes) return std::nullopt;
-    if (const auto container = containerIn(*bytes)) return hexOf(container->contentHash());
-    const std::size_t mark = findMark(textOf(*bytes), "");
-    const bool has = mark != std::string_view::npos;
-    return hexOf(has ? hashWithout(*bytes, mark, kMarkBytes) : XXH3_64bits(bytes->data(), bytes->size()));
+    return bytes ? std::optional(contentIdOf(*bytes)) : std::nullopt;
+}
+
+Recipe recipeOf(const std::string& making, const std::vector<RecipeInput>& inputs) {
+    std::string all = making;
+    for (const RecipeInput& input : inputs) {
+        if (!input.contentId) return {};
+        all += '\n' + input.role + '\0' + *input.contentId;
+    }
+    return Recipe(hexOf(XXH3_64bits(all.data(), all.size())));
 }
 
 std::vector<std::byte> sealed(std::vector<std::byte> bytes, const Recipe& recipe) {

@@ -33,20 +33,21 @@ private:
 inline constexpr const char* kRecipeKey = "rt:recipe";
 inline constexpr std::size_t kRecipeIdDigits = 16;
 
+/// 16 hexadecimal digits that are the same for the same content, whatever recipe made it: of .rtmesh and
+/// .rtatlas files those of the content hash in the header, of others XXH3 of their bytes without a mark.
+std::string contentIdOf(std::span<const std::byte> file);
+/// Nothing if it is no regular file, which streams are not, or cannot be read. For a recipe to be called
+/// before the tool reads the file: what changes in between is then taken for a change.
+std::optional<std::string> contentIdOf(const std::string& path);
+
 /// A file, and what it is to the tool: content in another role makes another recipe, another name does not.
 struct RecipeInput {
     std::string role;
-    std::string path;
+    std::optional<std::string> contentId; ///< see contentIdOf()
 };
 
-/// `making`: see makingOf(). To be called before the inputs are read: what changes in between is then taken
-/// for a change. Not known if an input is no file, which includes streams, or cannot be read.
+/// `making`: see makingOf(). Not known if that of an input is not.
 Recipe recipeOf(const std::string& making, const std::vector<RecipeInput>& inputs);
-
-/// 16 hexadecimal digits that are the same for the same content, whatever recipe made it: of .rtmesh and
-/// .rtatlas files those of the content hash in the header, of others XXH3 of their bytes without a mark.
-/// Nothing if it is no regular file or cannot be read.
-std::optional<std::string> contentIdOf(const std::string& path);
 
 /// The bytes of a file that holds the recipe's mark, with the hash of all of them in place of its zeros.
 std::vector<std::byte> sealed(std::vector<std::byte> bytes, const Recipe& recipe);

@@ -18,9 +18,10 @@ Recipe recipeOf(const Options& options, const std::vector<FilePair>& pairs) {
     std::string making = options.common.making;
     for (const FilePair& pair : pairs) making += '\n' + pair.a + '\0' + pair.b;
     std::vector<RecipeInput> inputs;
-    if (!options.maskPath.empty()) inputs.push_back({"--mask", options.maskPath});
+    if (!options.maskPath.empty()) inputs.push_back({"--mask", contentIdOf(options.maskPath)});
     for (const std::string& path : inputsOf(options, pairs))
-        if (path != options.listPath) inputs.push_back({path, path}); // what the list names is in `making`
+        if (path != options.listPath) // what that names is in `making`
+            inputs.push_back({path, contentIdOf(path)});
     return recipeOf(making, inputs);
 }
 

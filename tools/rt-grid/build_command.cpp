@@ -73,7 +73,7 @@ int buildCommand(int argc, const char* const* argv) {
         forecast(*options);
         return 0;
     }
-    const Recipe recipe = recipeOf(options->common.making, {{"mesh", options->meshPath}});
+    const Recipe recipe = recipeOf(options->common.making, {{"mesh", contentIdOf(options->meshPath)}});
     const auto isMade = [&](const std::string& output) { return carries(output, recipe); };
     if (!isUpToDate(options->common, outputsOf(*options), isMade)) build(*options, recipe);
     writeDependencies(options->common, outputsOf(*options), {options->meshPath});

@@ -1,6 +1,7 @@
 #include "tools/rt-grid/forecast_build.h"
 
 #include "tools/rt-grid/count_voxels.h"
+#include "tools/rt-grid/forecast_bricks.h"
 #include "tools/rt-grid/plan_grid.h"
 
 #include <tbb/task_arena.h>

@@ -15,7 +15,7 @@ namespace {
 std::vector<RecipeInput> inputsOf(const std::vector<std::string>& paths) {
     std::vector<RecipeInput> inputs;
     for (const std::string& path : paths)
-        inputs.push_back({std::filesystem::path(path).filename().string(), path});
+        inputs.push_back({std::filesystem::path(path).filename().string(), contentIdOf(path)});
     return inputs;
 }
 

@@ -12,14 +12,15 @@
 namespace {
 
 void trace(const rt::TraceOptions& options) {
-    const rt::PictureRecipes recipes = rt::recipesOf(options);
-    if (options.raysPath.empty()) {
-        if (!rt::isUpToDate(options, recipes)) rt::traceScene(options, recipes);
-    } else {
-        if (!rt::areHitsUpToDate(options, recipes.own)) rt::traceRays(options, recipes.own);
+    const rt::TraceRecipes recipes = rt::recipesOf(options);
+    if (!rt::isUpToDate(options, recipes)) {
+        if (options.raysPath.empty())
+            rt::traceScene(options, recipes);
+        else
+            rt::traceRays(options, recipes.own);
     }
     std::vector<std::string> files;
-    for (const rt::RecipeInput& input : rt::inputsOf(options)) files.push_back(input.path);
+    for (const rt::InputFile& input : rt::inputsOf(options)) files.push_back(input.path);
     rt::writeDependencies(options.common, rt::outputsOf(options), files);
 }
 

@@ -18,6 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 
 namespace rt {
 namespace {
@@ -105,9 +106,16 @@ struct MergeRecipes {
     }
 };
 
+// Of what was opened: a shard may be replaced by another meanwhile.
+std::optional<std::string> openedContent(const std::string& path, const std::vector<ShardFile>& files) {
+    if (!std::filesystem::is_regular_file(path)) return std::nullopt;
+    return contentIdOf(std::ranges::find(files, inputName(path), &ShardFile::path)->bytes);
+}
+
 MergeRecipes recipesOf(const MergeOptions& options, const std::vector<ShardFile>& files) {
     std::vector<RecipeInput> inputs;
-    for (const std::string& path : options.shardPaths) inputs.push_back({"shard", path});
+    for (const std::string& path : options.shardPaths)
+        inputs.push_back({"shard", openedContent(path, files)});
     MergeRecipes recipes{recipeOf(options.common.making, inputs), wholeRecipeOf(files)};
     if (!recipes.exr.isKnown()) recipes.exr = recipes.merge;
     return recipes;

@@ -4,7 +4,7 @@
 #include "formats/image.h"
 #include "tools/rt-trace/environment.h"
 #include "tools/rt-trace/picture_options.h"
-#include "tools/rt-trace/picture_recipe.h"
+#include "tools/rt-trace/trace_recipe.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

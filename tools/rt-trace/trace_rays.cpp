@@ -3,11 +3,11 @@
 #include "common/error.h"
 #include "common/log.h"
 #include "tools/rt-trace/load_scene.h"
-#include "tools/rt-trace/picture_recipe.h"
 #include "tools/rt-trace/ray_order.h"
 #include "tools/rt-trace/ray_query.h"
 #include "tools/rt-trace/report.h"
 #include "tools/rt-trace/shader_variant.h"
+#include "tools/rt-trace/trace_recipe.h"
 #include "tools/rt-trace/warm_up.h"
 
 #include <fmt/format.h>
@@ -141,7 +141,7 @@ void writeReport(const TraceOptions& options, const Recipe& recipe, const GpuSce
         report["minMs"] = traced.passesMs.front();
         report["repeat"] = options.repeat;
     }
-    if (const std::optional<std::string> id = contentIdOf(options.outputPaths[0])) report[kHitsIdKey] = *id;
+    report[kHitsIdKey] = contentIdOf(traced.hits);
     writeReport(options.common.jsonPath, std::move(report), recipe);
 }
 

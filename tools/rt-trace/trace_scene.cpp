@@ -19,7 +19,7 @@ namespace rt {
 namespace {
 
 /// Renders and writes what the options' outputs name. Returns its figures.
-nlohmann::json makePicture(const TraceOptions& options, const PictureRecipes& recipes, const GpuScene& scene,
+nlohmann::json makePicture(const TraceOptions& options, const TraceRecipes& recipes, const GpuScene& scene,
                            const PictureSetup& setup, StageTimer& stages) {
     Picture picture = renderPicture(options, scene, setup, stages);
     const bool heat = options.heat != Heat::None; // its colours are what they are
@@ -51,7 +51,7 @@ CameraRequest cameraOfFrame(const TraceOptions& options, const std::vector<Camer
     return turnedCamera(first, 360.0 * (frame - 1.0) / options.turntable, options.camera);
 }
 
-nlohmann::json makeFrames(const TraceOptions& options, const PictureRecipes& recipes,
+nlohmann::json makeFrames(const TraceOptions& options, const TraceRecipes& recipes,
                           const std::vector<CameraKey>& path, const GpuScene& scene, PictureSetup& setup,
                           StageTimer& stages) {
     nlohmann::json frames = nlohmann::json::array();
@@ -99,7 +99,7 @@ void requireClock(const PictureNeeds& needs, const GlLimits& limits) {
 }
 
 // `figures`: what there is to say beside the scene.
-void report(const TraceOptions& options, const PictureRecipes& recipes, const GpuScene& scene,
+void report(const TraceOptions& options, const TraceRecipes& recipes, const GpuScene& scene,
             const StageTimer& stages, const nlohmann::json& figures) {
     if (options.common.jsonPath.empty()) return;
     nlohmann::json report = figures;
@@ -110,7 +110,7 @@ void report(const TraceOptions& options, const PictureRecipes& recipes, const Gp
 
 } // namespace
 
-void traceScene(const TraceOptions& given, const PictureRecipes& recipes) {
+void traceScene(const TraceOptions& given, const TraceRecipes& recipes) {
     StageTimer stages;
     TraceOptions options = given;
     std::vector<CameraKey> path;

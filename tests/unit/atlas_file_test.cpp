@@ -1,105 +1,15 @@
-// .rtmesh and .rtatlas: what is written comes back, and a file that was damaged anywhere is refused.
-#include "common/error.h"
+// .rtatlas: what is written comes back, and a file that was damaged anywhere is refused.
 #include "formats/atlas_file.h"
-#include "formats/mesh_file.h"
-#include "formats/section_file.h"
-#include "tests/support/read_text.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/unit/format_files.h"
 
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <csignal>
-#include <cstddef>
 #include <cstring>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <limits>
-#include <sys/stat.h>
-#include <thread>
 
-namespace rt {
+namespace rt::test {
 namespace {
-
-Material greyMaterial(std::uint32_t image) {
-    Material material = diffuseMaterial(glm::vec3(0.5f));
-    material.reflection.w = 0.25f;
-    material.transmission = glm::vec4(0.5f, 1.5f, 0.0f, 0.0f);
-    material.images.x = image;
-    return material;
-}
-
-CameraKey keyAt(std::uint32_t camera, double frame) {
-    CameraKey key;
-    key.frame = frame;
-    key.eye = {frame, 0, 4};
-    key.fovDegrees = 30.0;
-    key.camera = camera;
-    return key;
-}
-
-// Two cameras, of which one moves, and an environment of two pixels, for a Mesh or an Atlas.
-template <class Scene>
-void addScenery(Scene& scene) {
-    NamedCamera camera{"a", {0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 30.0, 0, 0, 0, kCameraPerspective, 0};
-    NamedCamera round = camera;
-    round.name[0] = 'b';
-    round.kind = kCameraPanorama;
-    scene.cameras = std::vector<NamedCamera>{camera, round};
-    scene.cameraKeys = std::vector<CameraKey>{keyAt(0, 1), keyAt(0, 2.5), keyAt(1, -1)};
-    scene.surroundings = std::vector<Surroundings>{{{1, 2, 3}, 1, 0.5f, 90.0f, 2, 1}};
-    scene.environment = std::vector<glm::vec3>{{0, 0, 0}, {1, 2, 1000}};
-}
-
-// What can be wrong with that, each with what it is.
-template <class Scene>
-std::vector<std::pair<const char*, std::function<void(Scene&)>>> wrongScenery() {
-    const auto keys = [](std::vector<CameraKey> wrong) {
-        return [=](Scene& s) { s.cameraKeys = std::vector<CameraKey>(wrong); };
-    };
-    const auto around = [](Surroundings wrong) {
-        return [=](Scene& s) { s.surroundings = std::vector<Surroundings>{wrong}; };
-    };
-    const float inf = std::numeric_limits<float>::infinity();
-    CameraKey flat = keyAt(0, 1), lost = keyAt(0, 1);
-    flat.fovDegrees = 180.0;
-    lost.eye.x = double(inf);
-    return {{"frames are not in order", keys({keyAt(0, 2), keyAt(0, 1)})},
-            {"a frame twice", keys({keyAt(0, 1), keyAt(0, 1)})},
-            {"cameras are not in order", keys({keyAt(1, 1), keyAt(0, 2)})},
-            {"no such camera", keys({keyAt(2, 1)})},
-            {"no view", keys({flat})},
-            {"nowhere", keys({lost})},
-            {"pixels are missing", around({{0, 0, 0}, 0, 1, 0, 2, 2})},
-            {"pixels are too many", around({{0, 0, 0}, 0, 1, 0, 0, 0})},
-            {"a side of 0", around({{0, 0, 0}, 0, 1, 0, 2, 0})},
-            {"a negative background", around({{-1, 0, 0}, 1, 1, 0, 2, 1})},
-            {"neither stated nor not", around({{0, 0, 0}, 2, 1, 0, 2, 1})},
-            {"an infinite strength", around({{0, 0, 0}, 0, inf, 0, 2, 1})},
-            {"a negative strength", around({{0, 0, 0}, 0, -1, 0, 2, 1})},
-            {"an infinite turn", around({{0, 0, 0}, 0, 1, inf, 2, 1})},
-            {"pixels without a size", [](Scene& s) { s.surroundings = {}; }},
-            {"two surroundings",
-             [](Scene& s) { s.surroundings = std::vector<Surroundings>(2, s.surroundings[0]); }},
-            {"darkness", [](Scene& s) {
-                 s.environment = std::vector<glm::vec3>{{0, 0, 0}, {0, -1, 0}};
-             }}};
-}
-
-Mesh smallMesh() {
-    Mesh mesh;
-    mesh.positions = std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0.5f}};
-    mesh.normals = std::vector<glm::vec3>(4, glm::vec3(0, 0, 1));
-    mesh.texcoords = std::vector<glm::vec2>{{0, 0}, {1, 0}, {0, 1}, {1, 1}};
-    mesh.triangles = std::vector<glm::uvec3>{{0, 1, 2}, {1, 3, 2}};
-    mesh.triangleMaterial = std::vector<std::uint32_t>{0, 0};
-    mesh.materials = std::vector<Material>{greyMaterial(0)};
-    mesh.lights = std::vector<Light>{pointLight({1, 2, 3}, {4, 5, 6})};
-    mesh.images = std::vector<MeshImage>{{2, 1, kWrapRepeat, kWrapClamp, 0, kImageSrgb, 0}};
-    mesh.pixels = std::vector<std::uint32_t>{0xFF0000FFu, 0xFF00FF00u};
-    return mesh;
-}
 
 Atlas smallAtlas() {
     Atlas atlas;
@@ -143,101 +53,8 @@ Atlas smallNestedAtlas() {
     return atlas;
 }
 
-template <class T>
-std::string bytes(const SharedSpan<T>& values) {
-    return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
-}
-
-void spill(const std::string& path, const std::string& content) {
-    std::ofstream(path, std::ios::binary | std::ios::trunc) << content;
-}
-
-ErrorKind failureOf(const std::function<void()>& read) {
-    try {
-        read();
-    } catch (const Error& error) {
-        return error.kind();
-    }
-    return ErrorKind::Internal; // it was accepted
-}
-
-void expectEveryDamageIsRefused(const std::string& path, const std::function<void()>& read) {
-    const std::string good = test::readText(path);
-    ASSERT_GT(good.size(), 500u);
-    for (std::size_t length = 0; length < good.size(); ++length) {
-        spill(path, good.substr(0, length));
-        ASSERT_EQ(failureOf(read), ErrorKind::InvalidContent) << "cut to " << length << " bytes";
-    }
-    spill(path, good + '\0');
-    EXPECT_EQ(failureOf(read), ErrorKind::InvalidContent) << "one byte more";
-    for (std::size_t i = 0; i < good.size(); ++i) {
-        std::string bad = good;
-        bad[i] = static_cast<char>(bad[i] ^ (1 << (i % 8)));
-        spill(path, bad);
-        ASSERT_EQ(failureOf(read), ErrorKind::InvalidContent) << "byte " << i;
-    }
-    spill(path, good);
-    EXPECT_NO_THROW(read());
-}
-
-TEST(MeshFile, ComesBackAsItWasWritten) {
-    const test::TemporaryFolder folder;
-    Mesh mesh = smallMesh();
-    addScenery(mesh);
-    writeMesh(folder.file("a.rtmesh"), mesh);
-    const Mesh back = readMesh(folder.file("a.rtmesh")).mesh;
-    EXPECT_EQ(bytes(back.positions), bytes(mesh.positions));
-    EXPECT_EQ(bytes(back.normals), bytes(mesh.normals));
-    EXPECT_EQ(bytes(back.texcoords), bytes(mesh.texcoords));
-    EXPECT_EQ(bytes(back.triangles), bytes(mesh.triangles));
-    EXPECT_EQ(bytes(back.triangleMaterial), bytes(mesh.triangleMaterial));
-    EXPECT_EQ(bytes(back.materials), bytes(mesh.materials));
-    EXPECT_EQ(bytes(back.lights), bytes(mesh.lights));
-    EXPECT_EQ(bytes(back.images), bytes(mesh.images));
-    EXPECT_EQ(bytes(back.pixels), bytes(mesh.pixels));
-    EXPECT_EQ(bytes(back.cameras), bytes(mesh.cameras));
-    EXPECT_EQ(bytes(back.cameraKeys), bytes(mesh.cameraKeys));
-    EXPECT_EQ(bytes(back.surroundings), bytes(mesh.surroundings));
-    EXPECT_EQ(bytes(back.environment), bytes(mesh.environment));
-}
-
-TEST(MeshFile, EveryDamageIsRefused) {
-    const test::TemporaryFolder folder;
-    const std::string path = folder.file("a.rtmesh");
-    writeMesh(path, smallMesh());
-    expectEveryDamageIsRefused(path, [&] { readMesh(path); });
-}
-
-TEST(MeshFile, InvalidContentWithRightChecksumsIsRefused) {
-    const test::TemporaryFolder folder;
-    const std::string path = folder.file("a.rtmesh");
-    const auto refused = [&](const std::function<void(Mesh&)>& spoil) {
-        Mesh mesh = smallMesh();
-        spoil(mesh);
-        writeMesh(path, mesh);
-        return failureOf([&] { readMesh(path); }) == ErrorKind::InvalidContent;
-    };
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    EXPECT_TRUE(refused([](Mesh& m) { m.triangles = std::vector<glm::uvec3>{{0, 1, 4}, {0, 1, 2}}; }));
-    EXPECT_TRUE(refused([](Mesh& m) { m.triangles = {}; }));
-    EXPECT_TRUE(refused([](Mesh& m) { m.triangleMaterial = std::vector<std::uint32_t>{0, 1}; }));
-    EXPECT_TRUE(refused([](Mesh& m) { m.normals = std::vector<glm::vec3>(3, glm::vec3(0, 0, 1)); }));
-    EXPECT_TRUE(refused([](Mesh& m) { m.normals = std::vector<glm::vec3>(4, glm::vec3(0)); }));
-    EXPECT_TRUE(refused([=](Mesh& m) { m.positions = std::vector<glm::vec3>(4, glm::vec3(nan)); }));
-    EXPECT_TRUE(refused([](Mesh& m) { m.materials = std::vector<Material>{greyMaterial(1)}; }));
-    EXPECT_TRUE(refused([](Mesh& m) { m.images = std::vector<MeshImage>{{2, 2, 0, 0, 0}}; }));
-    EXPECT_TRUE(refused([](Mesh& m) { m.images = std::vector<MeshImage>{{2, 1, 0, 0, ~0ull}}; }));
-    EXPECT_FALSE(refused([](Mesh&) {}));
-    EXPECT_FALSE(refused([](Mesh& m) { addScenery(m); }));
-    for (const auto& [what, spoil] : wrongScenery<Mesh>())
-        EXPECT_TRUE(refused([&, s = spoil](Mesh& m) {
-            addScenery(m);
-            s(m);
-        })) << what;
-}
-
 TEST(AtlasFile, ComesBackAsItWasWritten) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     Atlas atlas = smallAtlas();
     addScenery(atlas);
     writeAtlas(folder.file("a.rtatlas"), atlas);
@@ -261,7 +78,7 @@ TEST(AtlasFile, ComesBackAsItWasWritten) {
 }
 
 TEST(AtlasFile, BricksComeBackAsTheyWereWritten) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const Atlas atlas = smallNestedAtlas();
     writeAtlas(folder.file("a.rtatlas"), atlas);
     const Atlas back = readAtlas(folder.file("a.rtatlas")).atlas;
@@ -277,7 +94,7 @@ TEST(AtlasFile, BricksComeBackAsTheyWereWritten) {
 }
 
 TEST(AtlasFile, EveryDamageIsRefused) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string path = folder.file("a.rtatlas");
     writeAtlas(path, smallAtlas());
     expectEveryDamageIsRefused(path, [&] { readAtlas(path); });
@@ -309,7 +126,7 @@ TEST(AtlasFile, SizesAreValidatedWithoutTheContents) {
 }
 
 TEST(AtlasFile, InvalidBricksWithRightChecksumsAreRefused) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string path = folder.file("a.rtatlas");
     const auto refused = [&](const std::function<void(Atlas&, std::vector<std::uint32_t>&)>& spoil) {
         Atlas atlas = smallNestedAtlas();
@@ -365,7 +182,7 @@ TEST(AtlasFile, VoxelsFinerThanTheLimitAreRefused) {
 }
 
 TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string path = folder.file("a.rtatlas");
     const auto refused = [&](const std::function<void(Atlas&)>& spoil) {
         Atlas atlas = smallAtlas();
@@ -426,60 +243,5 @@ TEST(AtlasFile, InvalidContentWithRightChecksumsIsRefused) {
     EXPECT_FALSE(refused([](Atlas&) {}));
 }
 
-TEST(SectionFile, UnknownSectionsAreSkippedAndOtherMajorVersionsRefused) {
-    const test::TemporaryFolder folder;
-    const std::string path = folder.file("x");
-    constexpr FileKind kind{{'\x89', 'T', 'E', 'S', 'T', ' ', ' ', '\n'}, 1, 5, ".test"};
-    const std::vector<std::uint32_t> values{1, 2, 3};
-    SectionFileWriter writer(kind);
-    writer.add<std::uint32_t>(sectionId("NEWX"), values);
-    writer.add<std::uint32_t>(sectionId("KNWN"), values);
-    writer.write(path);
-    FileKind reader = kind;
-    reader.minor = 0;
-    const SectionFile file(path, reader);
-    EXPECT_EQ(file.get<std::uint32_t>(sectionId("KNWN"), 3)[2], 3u);
-    EXPECT_TRUE(file.get<std::uint32_t>(sectionId("NONE")).empty());
-    EXPECT_EQ(failureOf([&] { file.get<std::uint64_t>(sectionId("KNWN")); }), ErrorKind::InvalidContent);
-    reader.major = 2;
-    EXPECT_EQ(failureOf([&] { SectionFile(path, reader); }), ErrorKind::InvalidContent);
-}
-
-// A pipe into which a file's bytes go, and then as many zeros as the reader takes.
-class EndlessPipe {
-public:
-    EndlessPipe(const std::string& path, const std::string& start) {
-        EXPECT_EQ(mkfifo(path.c_str(), 0600), 0);
-        writer_ = std::thread([path, start] {
-            std::ofstream pipe(path, std::ios::binary);
-            pipe << start;
-            const std::string zeros(1u << 16, '\0');
-            while (pipe << zeros) {
-            }
-        });
-    }
-    ~EndlessPipe() { writer_.join(); }
-
-private:
-    std::thread writer_;
-};
-
-TEST(SectionFile, StreamsWithoutAnEndAreRefusedWithoutReadingThem) {
-    std::signal(SIGPIPE, SIG_IGN);
-    const test::TemporaryFolder folder;
-    EXPECT_EQ(failureOf([&] { readMesh("/dev/zero"); }), ErrorKind::InvalidContent);
-    EXPECT_EQ(failureOf([&] { readAtlas("/dev/zero"); }), ErrorKind::InvalidContent);
-    writeMesh(folder.file("a"), smallMesh());
-    std::string whole = test::readText(folder.file("a"));
-    {
-        const EndlessPipe pipe(folder.file("longer"), whole);
-        EXPECT_EQ(failureOf([&] { readMesh(folder.file("longer")); }), ErrorKind::InvalidContent);
-    }
-    const std::uint64_t huge = std::uint64_t(1) << 60;
-    std::memcpy(whole.data() + offsetof(FileHeader, fileBytes), &huge, sizeof huge);
-    const EndlessPipe pipe(folder.file("huge"), whole);
-    EXPECT_EQ(failureOf([&] { readMesh(folder.file("huge")); }), ErrorKind::LimitExceeded);
-}
-
 } // namespace
-} // namespace rt
+} // namespace rt::test
