@@ -99,7 +99,8 @@ std::optional<SharedSpan<std::byte>> bytesOfFile(const std::string& path) {
     }
 }
 
-// Nothing for what is no container, or one that is not even valid as far as its table.
+// Nothing for what is no container, or one that is not even valid as far as its table. The bytes have to
+// outlive it.
 std::optional<SectionFile> containerIn(Bytes bytes) try {
     for (const FileKind* kind : {&kMeshKind, &kAtlasKind})
         if (textOf(bytes).starts_with({kind->magic.data(), kind->magic.size()}))

@@ -84,7 +84,9 @@ function(_rt_step name tool pool)
     cmake_parse_arguments(PARSE_ARGV 3 STEP "" "" "OUTPUTS;INPUTS;ARGS")
     set(alone "")
     if(NOT CMAKE_GENERATOR MATCHES Ninja) # which has pools
-        set(alone flock --no-fork ${CMAKE_BINARY_DIR}/${pool}.lock)
+        find_program(RT_FLOCK flock REQUIRED)
+        mark_as_advanced(RT_FLOCK)
+        set(alone ${RT_FLOCK} --no-fork ${CMAKE_BINARY_DIR}/${pool}.lock)
     endif()
     set(base ${CMAKE_CURRENT_BINARY_DIR}/${name})
     if(TEST ${name})
@@ -109,18 +111,21 @@ function(_rt_target name maker suffix)
     endif()
 endfunction()
 
+# Properties: RT_FILES of a target of ours, what it makes; RT_MADE of a folder, what its steps make; RT_TOLD, files that nothing makes, as was
+# said; RT_RENDERS, their names.
+
 # Has NAME wait for the target MAKER. Refuses a MAKER.SUFFIX that is neither there nor made by a step or rule of its folder nor by
 # a target of another kind.
 function(_rt_require list_file name maker suffix folder)
     set(file ${folder}/${maker}.${suffix})
     get_source_file_property(is_made ${file} DIRECTORY ${folder} GENERATED)
-    set(is_own ON)
+    set(files ${file})
     if(TARGET ${maker})
         add_dependencies(${name} ${maker}) # Make, unlike Ninja, would make that twice
-        get_target_property(is_own ${maker} RT_FILES)
+        get_target_property(files ${maker} RT_FILES)
     endif()
     get_property(told GLOBAL PROPERTY RT_TOLD)
-    if(is_made OR NOT is_own OR file IN_LIST told)
+    if(is_made OR NOT files OR file IN_LIST told)
         return()
     endif()
     if(EXISTS ${file})

@@ -15,7 +15,7 @@ from planner.graph import build_graph, load_graph, save_graph
 from planner.help_text import Parser, whole_number
 from planner.report import RUN
 from planner.run_here import Scheduler, run_lock
-from planner.run_step import find_step, run_step
+from planner.run_step import find_step, refuse_blocked, run_step
 from planner.slurm_queue import JOBS, SlurmSilent, queued_steps
 from planner.versions import check_programs, folder_of_tools, version_of, versions_of
 
@@ -195,7 +195,9 @@ def run_command(options):
 
 def step_command(options):
     folder = pathlib.Path(os.path.abspath(options.folder))
-    step = find_step(folder, options.step)
+    graph = load_graph(folder)
+    step = find_step(graph, folder, options.step)
+    refuse_blocked(graph, folder, step)
     with passed_on() as running:
         last = run_step(folder, step, running, version_of(step.argv[0]), options.retries, options.touch)[-1]
     if last["exitCode"]:

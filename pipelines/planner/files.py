@@ -16,8 +16,8 @@ GRACE_SECONDS = 5  # for a tool that was told to end
 
 
 def is_printable(name):
-    """No control characters, and nothing that was not UTF-8."""
-    return not any(unicodedata.category(c) in ("Cc", "Cs") for c in name)
+    """No control characters, and nothing that was not UTF-8 or that XML cannot hold."""
+    return not any(unicodedata.category(c) in ("Cc", "Cs") or c in "\ufffe\uffff" for c in name)
 
 
 def printable(text):

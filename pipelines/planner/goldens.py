@@ -35,26 +35,19 @@ def golden_path(folder, golden):
 
 def check_pictures(graph, folder, pictures):
     """All are whole, and of a run in which all went well that led to them."""
-    steps = {step.id: step for step in graph.steps}
     makers = {picture["exr"]: picture["step"] for made in graph.renders.values() for picture in made}
     made = {output for step in graph.steps for output in step.outputs}
-    record_of = functools.cache(lambda id: read_record(folder, steps[id]))
-    is_done = functools.cache(lambda id: has_made(folder, record_of(id), made.intersection(steps[id].inputs)))
+    record_of = functools.cache(lambda id: read_record(folder, graph.by_id[id]))
+    is_done = functools.cache(lambda id: has_made(folder, record_of(id), made.intersection(graph.by_id[id].inputs)))
     for picture in pictures.values():
-        ids = lineage(steps, makers[picture])
+        ids = [step.id for step in graph.lineage(makers[picture])]
         failed = next((id for id in ids if record_of(id) and record_of(id)["state"] == "failed"), None)
         if failed:
-            raise PlanError(FILE_ACCESS, f"{folder / picture}: is not of a finished run: {failed} failed; see {folder / steps[failed].log}, and run the pipeline again")
-        if not all(map(is_done, ids)) or not has_made(folder, record_of(makers[picture]), [picture]):
-            raise PlanError(FILE_ACCESS, f"{folder / picture}: {makers[picture]} has not made it, or it changed since; run the pipeline")
-
-
-def lineage(steps, id):
-    """The step and all that it depends on."""
-    found = [id]
-    for id in found:
-        found += [other for other in steps[id].depends_on if other not in found]
-    return found
+            raise PlanError(FILE_ACCESS, f"{folder / picture}: is not of a finished run: {failed} failed; see {folder / graph.by_id[failed].log}, and run the pipeline again")
+        undone = next((id for id in ids if not is_done(id)), None)
+        if undone or not has_made(folder, record_of(makers[picture]), [picture]):
+            since = f"{undone or makers[picture]} has not run since what it reads or makes changed"
+            raise PlanError(FILE_ACCESS, f"{folder / picture}: is not of a finished run: {since}; run the pipeline")
 
 
 def has_made(folder, record, files):

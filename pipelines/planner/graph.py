@@ -1,5 +1,6 @@
 """From a description to steps: what each runs, reads, writes, waits for and needs. Paths are relative to the run's folder."""
 import dataclasses
+import functools
 import hashlib
 import json
 import os
@@ -65,6 +66,17 @@ class Graph:
             groups.setdefault(step.group, []).append(step)
         return groups
 
+    @functools.cached_property
+    def by_id(self):
+        return {step.id: step for step in self.steps}
+
+    def lineage(self, id):
+        """The step and all that it depends on, the nearest first."""
+        ids = [id]
+        for id in ids:
+            ids += [other for other in self.by_id[id].depends_on if other not in ids]
+        return [self.by_id[id] for id in ids]
+
     def sources(self):
         """Inputs that no step makes."""
         made = {output for step in self.steps for output in step.outputs}
@@ -76,7 +88,7 @@ def graph_path(folder):
 
 
 def save_graph(graph, folder):
-    """Each step has a line, so that a step finds its own among many without reading all."""
+    """A step has a line, for those who read it."""
     rest = json.dumps({"name": graph.name, "renders": graph.renders, "comparisons": graph.comparisons})
     steps = ",\n".join(json.dumps(vars(step)) for step in graph.steps)
     body = f'"steps": [\n{steps}\n],\n{rest[1:]}\n'
@@ -97,13 +109,6 @@ def read_graph(folder):
     if head != first_line(body):
         raise PlanError(INVALID_CONTENT, f"{path}: is damaged or of another version of plan; export the pipeline again")
     return text
-
-
-def load_step(folder, id):
-    """The step, or None."""
-    start = f'{{"id": {json.dumps(id)}, '
-    line = next((line for line in read_graph(folder).splitlines() if line.startswith(start)), None)
-    return Step(**json.loads(line.rstrip(","))) if line else None
 
 
 def load_graph(folder):

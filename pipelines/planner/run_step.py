@@ -12,7 +12,6 @@ from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
 from planner.files import open_lock, parse_json, printable, try_lock, write_whole
 from planner.freshness import signature, signatures
-from planner.graph import load_step
 from planner.versions import REMEDY
 
 # What a tool says of its failure is for those who read it: exit codes decide.
@@ -38,11 +37,20 @@ def may_pass_next_time(code):
     return code in (FILE_ACCESS, NO_GPU, INTERNAL) or (code > SIGNALLED and code - SIGNALLED not in (signal.SIGTERM, signal.SIGINT))
 
 
-def find_step(folder, token):
-    step = load_step(folder, token.partition("@")[0])
-    if step is None or token not in (step.id, step.token):
+def find_step(graph, folder, token):
+    step = next((step for step in graph.steps if token in (step.id, step.token)), None)
+    if step is None:
         raise PlanError(USAGE, f"{folder / 'plan.json'}: has no step {token}: it changed since this was exported; export again")
     return step
+
+
+def refuse_blocked(graph, folder, step):
+    """Throws PlanError if a step failed that led to it. Engines know that too, but Slurm forgets it in arrays that are tied task by task."""
+    for other in graph.lineage(step.id)[1:]:
+        record = read_record(folder, other)
+        if record and record["state"] not in ("done", "skipped"):
+            said = "failed" if record["state"] == "failed" else "was cut off, or runs"
+            raise PlanError(FILE_ACCESS, f"{step.id}: is not run, since {other.id} {said}; see {folder / other.log}")
 
 
 def lock_path(folder, step):

@@ -18,23 +18,25 @@ def arrays_of(graph):
     groups = graph.groups()
     group_of = {step.id: step.group for step in graph.steps}
     merges = [steps for steps in groups.values() if steps[0].stage == "merge" and len(steps) > 1]
-    shards = {group_of[steps[0].depends_on[0]]: len(steps[0].depends_on) for steps in merges}
-    arrays, places = [], {}  # of a step: (number of its array, place there)
+    shard_counts = {group_of[steps[0].depends_on[0]]: len(steps[0].depends_on) for steps in merges}  # by the group of the shards
+    arrays, positions = [], {}  # of a step: (number of its array, place there)
     for group, steps in groups.items():
-        count = shards.get(group, 1)
-        parts = [steps[i + shard : i + count * CHUNK : count] for i in range(0, len(steps), count * CHUNK) for shard in range(count)]
-        for i, part in enumerate(parts):
-            places |= {step.id: (len(arrays), place) for place, step in enumerate(part)}
-            arrays.append(Array(group + (f".{i + 1}" if i else ""), part, *awaited_by(part, places, arrays)))
+        count = shard_counts.get(group, 1)
+        for start in range(0, len(steps), count * CHUNK):
+            for shard in range(count):
+                part = steps[start + shard : start + count * CHUNK : count]
+                name = group + (f".{shard + 1}of{count}" if count > 1 else "") + (f".{start // (count * CHUNK) + 1}" if start else "")
+                positions |= {step.id: (len(arrays), place) for place, step in enumerate(part)}
+                arrays.append(Array(name, part, *awaited_by(part, positions, arrays)))
     return arrays
 
 
-def awaited_by(steps, places, arrays):
+def awaited_by(steps, positions, arrays):
     """(after_all, after_each)."""
     shifts = collections.defaultdict(set)  # number of an array: how far its tasks are from those that await them
     for i, step in enumerate(steps):
         for id in step.depends_on:
-            number, place = places[id]
+            number, place = positions[id]
             shifts[number].add(i - place)
     each = [number for number in shifts if shifts[number] == {0} and len(arrays[number].steps) > 1]
     return [number for number in shifts if number not in each], each

@@ -145,7 +145,7 @@ class ExportTest(PlanTest):
         for name in ("a-b", "a_b"):
             self.assertEqual(jobs[f"trace-{name}"][1], f"afterok:${{{jobs[f'grid-{name}'][0]}}}")
         shards, whole, merge = ([f"${{{jobs[name][0]}}}" for name in names] for names in
-                                (("trace-around", "trace-around.2"), ["trace-whole"], ["merge-around"]))  # fmt: skip
+                                (("trace-around.1of2", "trace-around.2of2"), ["trace-whole"], ["merge-around"]))  # fmt: skip
         self.assertEqual(jobs["merge-around"][1], ":".join(["aftercorr", *shards]))
         self.assertEqual(jobs["compare-same"][1], f"afterok:{whole[0]},aftercorr:{merge[0]}")
         document["renders"]["around-0002"] = LOOK | {"shards": 2}
@@ -160,7 +160,7 @@ class ExportTest(PlanTest):
         arrays = slurm_arrays.arrays_of(made)
         names = lambda numbers: [arrays[number].name for number in numbers]  # noqa: E731
         found = {array.name: (len(array.steps), names(array.after_all), names(array.after_each)) for array in arrays}
-        shards = ["trace-many", "trace-many.2", "trace-many.3", "trace-many.4"]
+        shards = ["trace-many.1of2", "trace-many.2of2", "trace-many.1of2.2", "trace-many.2of2.2"]
         self.assertEqual([found[name] for name in shards], [(count, ["grid-tent"], []) for count in (1000, 1000, 1, 1)])
         self.assertEqual(found["merge-many"], (1000, [], shards[:2]))
         self.assertEqual(found["merge-many.2"], (1, shards[2:], []))

@@ -79,6 +79,23 @@ class RunTest(PlanTest):
                 self.assertEqual((states["grid-tent"]["state"], states["grid-tent"]["why"]), ("blocked", "import-tent failed"))
                 self.assertEqual((self.folder / "tent/logs/import-tent.log").read_text().count("no \33luck"), attempts)
 
+    def test_a_step_is_not_run_after_one_that_failed(self):
+        """An engine may forget what it waited for. All is there from an earlier run, whose records say that it is done."""
+        self.describe_still()
+        self.stand_in("[ ! -e fails ] || exit 4\ncase $0 in *rt-trace) set -- still/still.exr still/still.png ;; *) set -- $out ;; esac\nfor f; do echo x >>$f; done\n")
+        self.call("run", "tent.plan.json")
+        (self.folder / "tent/fails").touch()
+        self.call("step", "tent", "import-tent", expect=4)
+        (self.folder / "tent/fails").unlink()
+        pictures = (self.folder / "tent/still/still.exr").read_text()
+        said = self.call("step", "tent", "trace-still", "--retries", "2", expect=3)
+        self.assertRegex(said, r"^plan: error: trace-still: is not run, since import-tent failed; see \S*/tent/logs/import-tent.log\n$")
+        self.assertEqual((self.folder / "tent/still/still.exr").read_text(), pictures)
+        self.assertEqual(self.states(expect=1)["trace-still"]["state"], "blocked")
+        for step in ("import-tent", "grid-tent", "trace-still"):
+            self.call("step", "tent", step)
+        self.assertEqual((self.folder / "tent/still/still.exr").read_text(), pictures + "x\n")
+
     def test_a_tool_that_writes_nothing_has_failed_and_one_that_is_up_to_date_is_skipped(self):
         self.export_with("")
         (self.folder / "tent/steps").mkdir()
@@ -119,7 +136,7 @@ class RunTest(PlanTest):
         said = self.call("run", "tent.plan.json", expect=3)
         self.assertRegex(said, r"^plan: error: PATH: there is no rt-grid, rt-import, rt-trace in it; name .* --tools DIR or \$RT_TOOLS_DIR")
         self.call("tent.plan.json", "--ninja", "n")
-        for step in ("import-tent", "grid-tent"):  # as an engine would
+        for step in ("grid-tent", "import-tent"):  # as an engine would; none is run after one that failed
             self.call("step", "tent", step, expect=127)
         said = self.call("status", "tent", expect=1)
         self.assertRegex(said, r"failed +import-tent +rt-import: error: cannot be run: .*; name the folder of the tools with --tools DIR")

@@ -43,8 +43,11 @@ esac
 exec {1}/rt-trace "$@"
 """
 FAILING = """#!/bin/sh
-case "$*" in *--frames\\ 2-2\\ *--shard\\ 1/*) echo 'rt-trace: error: for good' >&2; exit 4 ;; esac
-exec {}/rt-trace "$@"
+case "$*" in
+*--frames\\ 12-12\\ *--shard\\ 1/*) echo 'rt-trace: error: for good' >&2; exit 4 ;;
+*--frames\\ [12]-*--shard\\ 2/*) while [ -e {0}/hold.1 ]; do sleep 0.05; done ;;
+esac
+exec {1}/rt-trace "$@"
 """
 
 
@@ -139,27 +142,35 @@ def without_recipe(picture):
 
 
 def check_failures(trial, cluster):
-    """What waits for a step that fails is cancelled by Slurm, and status says why; what does not is done."""
+    """What waits for a step that fails is cancelled by Slurm, or refused where Slurm forgot that failure, and status says why; what does not is
+    done. No merge starts before it forgot; the last one is none of the 10 tasks that it split off the array before."""
+    cluster.configure("MinJobAge=2")
+    (trial.folder / "hold.1").touch()
     (trial.folder / "broken.obj").write_text("v nonsense\n")
-    (trial.faulty / "rt-trace").write_text(FAILING.format(trial.tools))
+    (trial.faulty / "rt-trace").write_text(FAILING.format(trial.folder, trial.tools))
     broken = {
         "scenes": DESCRIPTION["scenes"] | {"broken": {"inputs": ["broken.obj"]}},
         "atlases": DESCRIPTION["atlases"] | {"broken": {"scene": "broken"}},
-        "renders": {name: SHOWN | more | {"frames": [1, 3]} for name, more in
-                    (("around", {"shards": SHARDS}), ("whole", {}), ("lost", {"atlas": "broken", "shards": SHARDS}))},
+        "renders": DESCRIPTION["renders"] | {"lost": SHOWN | {"atlas": "broken", "shards": SHARDS, "frames": [1, 3]}},
     }  # fmt: skip
     (trial.folder / "broken.plan.json").write_text(json.dumps(DESCRIPTION | broken))
     trial.run(sys.executable, trial.plan, "broken.plan.json", "--slurm", "broken-jobs", "--tools", trial.faulty)
     trial.run("sh", "broken-jobs/submit.sh", environment=trial.environment | cluster.environment)
+    record = trial.folder / "broken" / "steps" / "trace-around-0012-1of2.json"
+    cluster.wait_for(lambda: record.exists() and '"failed"' in record.read_text(), "the shard does not fail", 60)
+    cluster.wait_for(lambda: not cluster.ask("squeue", "-h", "-t", "FAILED"), "Slurm does not forget the shard", 60)
+    (trial.folder / "hold.1").unlink()
     cluster.wait_for(lambda: not cluster.ask("squeue", "-h"), "the queue is not emptied", 120)
     code, steps = trial.status(cluster, trial.folder / "broken")
     bad = {step["id"]: f"{step['state']}: {step['why']}" for step in steps if step["state"] not in ("done", "skipped")}
     lost = {"grid-broken": "import-broken failed"} | {f"trace-lost-{frame:04d}-{shard}of2": "grid-broken blocked" for frame in (1, 2, 3) for shard in (1, 2)}
     lost |= {f"merge-lost-{frame:04d}": f"trace-lost-{frame:04d}-1of2 blocked" for frame in (1, 2, 3)}
-    lost |= {"merge-around-0002": "trace-around-0002-1of2 failed", "compare-same-0002": "merge-around-0002 blocked"}
-    failed = [bad.pop(id, "not") for id in ("import-broken", "trace-around-0002-1of2")]
+    lost |= {"merge-around-0012": "trace-around-0012-1of2 failed", "compare-same-0012": "merge-around-0012 blocked"}
+    failed = [bad.pop(id, "not") for id in ("import-broken", "trace-around-0012-1of2")]
     assert code == 1 and all(why.startswith("failed: rt-") for why in failed), failed
     assert bad == {id: f"blocked: {why}" for id, why in lost.items()}, bad
+    ran = [id for id in lost if (trial.folder / "broken" / "logs" / f"{id}.log").exists()]
+    assert not ran, f"ran in spite of what failed: {ran}"
 
 
 def main():

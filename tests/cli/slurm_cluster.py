@@ -114,6 +114,11 @@ class SlurmCluster:
         self.start("slurmctld", "-D")
         self.wait_for(lambda: "UP" in self.ask("scontrol", "ping"), "slurmctld does not answer")
 
+    def configure(self, line):
+        with open(self.folder / "slurm.conf", "a", encoding="utf-8") as conf:
+            conf.write(f"{line}\n")
+        assert self.ask("scontrol", "reconfigure") == "", "scontrol reconfigure"
+
     def start_node(self):
         self.start("slurmd", "-D", "-N", "localhost")
 

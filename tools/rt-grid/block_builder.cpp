@@ -1,6 +1,7 @@
 #include "tools/rt-grid/block_builder.h"
 
 #include "common/error.h"
+#include "tools/rt-grid/fresh_array.h"
 #include "tools/rt-grid/leaf_relations.h"
 
 #include <algorithm>

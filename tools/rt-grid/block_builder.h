@@ -1,13 +1,17 @@
 #pragma once
+#include "formats/atlas.h"
+#include "tools/rt-grid/bin_triangles.h"
 #include "tools/rt-grid/brick_cost.h"
-#include "tools/rt-grid/nest_bricks.h"
+#include "tools/rt-grid/nest_options.h"
 
 #include <atomic>
 #include <memory>
+#include <span>
+#include <vector>
 
 namespace rt {
 
-/// Counts words over all blocks and stops the build where they become too many.
+/// Counts words over all blocks and stops the build where they become too many. The limit has to outlive it.
 class WordBudget {
 public:
     WordBudget(std::uint64_t used, const ReferenceLimit& limit) : used_(used), limit_(limit) {}
@@ -19,7 +23,7 @@ private:
     const ReferenceLimit& limit_;
 };
 
-/// What all blocks are built of.
+/// What all blocks are built of; all of it has to outlive the builders.
 struct Nesting {
     std::span<const TriangleRecord> triangles;
     const GridLayout& layout;
@@ -27,6 +31,7 @@ struct Nesting {
     BrickCost cost;
     WordBudget& budget;
 };
+/// With the cost model that the options ask for.
 Nesting nestingOf(std::span<const TriangleRecord> triangles, const GridLayout& layout,
                   const NestOptions& options, WordBudget& budget);
 

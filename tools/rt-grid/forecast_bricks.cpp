@@ -57,7 +57,7 @@ void addSample(const CellRefs& grid, const SampledVoxel& voxel, BlockBuilder& bu
 
 NestedSize forecastBricks(const CellRefs& grid, std::span<const TriangleRecord> triangles,
                           const GridLayout& layout, const NestOptions& options) {
-    constexpr std::size_t kPerBlock = 32;
+    constexpr std::size_t kPerBlock = 32; // voxels of the sample that a thread takes at a time
     const ReferenceLimit noLimit{~std::uint64_t(0), {}};
     WordBudget budget(0, noLimit);
     const Nesting nesting = nestingOf(triangles, layout, options, budget);

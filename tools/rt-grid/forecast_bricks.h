@@ -1,5 +1,8 @@
 #pragma once
-#include "tools/rt-grid/nest_bricks.h"
+#include "tools/rt-grid/bin_triangles.h"
+#include "tools/rt-grid/nest_options.h"
+
+#include <span>
 
 namespace rt {
 

@@ -2,20 +2,12 @@
 #include "formats/atlas.h"
 #include "tools/rt-grid/bin_triangles.h"
 #include "tools/rt-grid/fresh_array.h"
+#include "tools/rt-grid/nest_options.h"
 
 #include <span>
 #include <vector>
 
 namespace rt {
-
-/// Where voxels become bricks of finer voxels.
-struct NestOptions {
-    unsigned gridLeafSize = 2; ///< triangles that a voxel of the grid may list
-    unsigned leafSize = 12;    ///< triangles that a voxel of a brick may list
-    double wordCost = 0.009;   ///< see BrickCost
-    int maxDepth = 3;          ///< bricks in bricks
-    int exitReach = 1; ///< voxels beyond a leaf that its exit box may reach, at most 31; 0: no exit boxes
-};
 
 /// A nested structure without its boxes: empty voxels are 0. The exit boxes of leaves in bricks name steps
 /// from leaf to leaf instead: see LeafRelations.

@@ -81,7 +81,7 @@ std::vector<std::string> FilesAsked::foldersOfMissing(const std::string& text) c
             way = way.parent_path();
             folder = findBelow(folders_[place.folder].real, way);
         }
-        paths.push_back(namedPath(place, *folder));
+        if (isInside(realPath(*folder))) paths.push_back(namedPath(place, *folder));
     }
     return paths;
 }
@@ -92,14 +92,17 @@ std::string FilesAsked::namedPath(const Place& place, const fs::path& found) con
     return (path.has_filename() ? path : path.parent_path()).string(); // no slash at the end
 }
 
+bool FilesAsked::isInside(const fs::path& real) const {
+    return std::any_of(folders_.begin(), folders_.end(),
+                       [&](const Folder& folder) { return isBelow(real, folder.real); });
+}
+
 std::string FilesAsked::stateOf(const Place& place) const {
     if (place.folder >= folders_.size()) return kAbsent;
     const auto file = findBelow(folders_[place.folder].real, place.path);
     if (!file) return kAbsent;
     const fs::path real = realPath(*file);
-    const bool isInside = std::any_of(folders_.begin(), folders_.end(),
-                                      [&](const Folder& folder) { return isBelow(real, folder.real); });
-    return isInside ? contentIdOf(real.string()).value_or(kAbsent) : kAbsent;
+    return isInside(real) ? contentIdOf(real.string()).value_or(kAbsent) : kAbsent;
 }
 
 bool FilesAsked::parse(const std::string& name, Place& place) const {

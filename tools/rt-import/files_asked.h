@@ -40,6 +40,7 @@ private:
     };
     std::string stateOf(const Place& place) const;
     bool parse(const std::string& name, Place& place) const;
+    bool isInside(const std::filesystem::path& real) const;
     std::string namedPath(const Place& place, const std::filesystem::path& found) const;
 
     std::vector<Folder> folders_;

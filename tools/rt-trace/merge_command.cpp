@@ -18,7 +18,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <filesystem>
 
 namespace rt {
 namespace {
@@ -107,15 +106,9 @@ struct MergeRecipes {
 };
 
 // Of what was opened: a shard may be replaced by another meanwhile.
-std::optional<std::string> openedContent(const std::string& path, const std::vector<ShardFile>& files) {
-    if (!std::filesystem::is_regular_file(path)) return std::nullopt;
-    return contentIdOf(std::ranges::find(files, inputName(path), &ShardFile::path)->bytes);
-}
-
 MergeRecipes recipesOf(const MergeOptions& options, const std::vector<ShardFile>& files) {
     std::vector<RecipeInput> inputs;
-    for (const std::string& path : options.shardPaths)
-        inputs.push_back({"shard", openedContent(path, files)});
+    for (const ShardFile& file : files) inputs.push_back({"shard", contentIdOf(file.bytes)});
     MergeRecipes recipes{recipeOf(options.common.making, inputs), wholeRecipeOf(files)};
     if (!recipes.exr.isKnown()) recipes.exr = recipes.merge;
     return recipes;

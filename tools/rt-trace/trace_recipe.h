@@ -9,6 +9,7 @@ struct InputFile {
     std::string role; ///< see RecipeInput
     std::string path;
 };
+
 /// Every file that a run with these options reads, but for --resume's: what was saved changes no picture.
 std::vector<InputFile> inputsOf(const TraceOptions& options);
 
