@@ -16,8 +16,9 @@
 # Ninja does not see a file that is replaced by an older one: touch the model; nor, in the folder that it builds in, a texture or
 # material file that was missing and appears.
 # Functions of one pipeline are called in one folder, in any order but that comparisons come behind their renders; this file is
-# included there or above. A SCENE.rtmesh or ATLAS.rtatlas may also be there already, or be made by a rule of that folder (OUTPUT
-# or BYPRODUCTS) or by another target SCENE or ATLAS; where nothing makes it CMake says so.
+# included there or above. A SCENE.rtmesh or ATLAS.rtatlas may also be there already, but from a step that is gone, or be made by a rule
+# of that folder (OUTPUT, with Ninja BYPRODUCTS too) or by another target SCENE or ATLAS (which names it in BYPRODUCTS for Ninja); where
+# nothing makes it CMake says so.
 # RT_DEVICES, devices with commas between them as rt-trace --device takes them, renders frames side by side, one on each device at
 # a time; what has no frames is the first device's. The device of `auto` is what the environment's RT_DEVICE says while it is built.
 cmake_minimum_required(VERSION 3.25)
@@ -43,10 +44,12 @@ foreach(tool IN ITEMS import grid trace compare)
     rt_find_tool(${variable} rt-${tool})
 endforeach()
 enable_testing()
+cmake_language(DEFER DIRECTORY ${CMAKE_SOURCE_DIR} CALL enable_testing) # else ctest finds no tests from the top
 
 # Import and grid use all cores: one at a time keeps memory low and measured times true. So does one step on a device.
 get_property(_rt_pools GLOBAL PROPERTY JOB_POOLS) # has them if another folder includes this file too
-string(REPLACE "," ";" RT_DEVICES "${RT_DEVICES}")
+string(REGEX REPLACE "[ ,;]+" ";" RT_DEVICES "${RT_DEVICES}")
+list(REMOVE_ITEM RT_DEVICES "")
 if(RT_DEVICES STREQUAL "")
     set(RT_DEVICES auto)
 endif()
@@ -93,6 +96,9 @@ function(_rt_step name tool pool)
         message(FATAL_ERROR "${name} is a comparison already, which has the same files")
     endif()
     set_property(DIRECTORY APPEND PROPERTY RT_MADE ${STEP_OUTPUTS} ${base}.json)
+    if(pool STREQUAL rt_tools AND NOT STEP_OUTPUTS IN_LIST RT_MADE_EVER)
+        set(RT_MADE_EVER ${RT_MADE_EVER} ${STEP_OUTPUTS} CACHE INTERNAL "Meshes and atlases that steps of this folder ever made")
+    endif()
     add_custom_command(
         OUTPUT ${STEP_OUTPUTS} ${base}.json
         COMMAND ${alone} ${tool} ${STEP_ARGS} --json ${base}.json --depfile ${base}.d
@@ -128,7 +134,7 @@ function(_rt_require list_file name maker suffix folder)
     if(is_made OR NOT files OR file IN_LIST told)
         return()
     endif()
-    if(EXISTS ${file})
+    if(EXISTS ${file} AND NOT file IN_LIST RT_MADE_EVER)
         message(NOTICE "${file} is taken as it is, since nothing makes it")
         set_property(GLOBAL APPEND PROPERTY RT_TOLD ${file})
         return()
@@ -137,6 +143,9 @@ function(_rt_require list_file name maker suffix folder)
     list(FILTER made INCLUDE REGEX "\\.${suffix}$")
     list(TRANSFORM made REPLACE "^.*/" "")
     list(JOIN made ", " made)
+    if(made STREQUAL "")
+        set(made none)
+    endif()
     message(SEND_ERROR "${list_file}: ${name} needs ${maker}.${suffix}, which nothing makes in ${folder}; known there: ${made}")
 endfunction()
 
@@ -257,6 +266,7 @@ function(rt_add_regression name)
     if(NOT TARGET update_goldens)
         add_custom_target(update_goldens)
     endif()
+    set_target_properties(update_${name} update_goldens PROPERTIES RT_FILES ${ARG_GOLDENS}) # and no atlas
     add_dependencies(update_goldens update_${name})
 endfunction()
 

@@ -29,7 +29,8 @@ rt_common = --json $@.json --if-changed
 rt_inputs = $(or $(filter $(1),$^),$(error no $(1) is named as what $@ is made of))
 # 0012 for NAME.0012.exr
 rt_frame = $(shell expr "$(suffix $*)" : '[.]\([0-9][0-9]*\)$$')
-rt_first_device = $(firstword $(subst $(rt_comma), ,$(RT_DEVICES)) auto)
+rt_devices = $(or $(strip $(subst $(rt_comma), ,$(RT_DEVICES))),auto)
+rt_device_option = $(if $(filter-out auto,$(rt_devices)),--device $(1))
 rt_models = $(or $(RT_MODELS),$(filter-out .rt-always,$<),$(error $@: no model of its name, and no RT_MODELS))
 
 .PHONY: .rt-always
@@ -48,17 +49,22 @@ $(foreach kind,scene.json obj ply stl gltf glb fbx 3ds dae off,$(eval %.rtmesh: 
 	$(rt_bin)rt-grid $(call rt_inputs,%.rtmesh) -o $@ $(rt_common) $(RT_GRID_FLAGS)
 
 # A frame's device follows from its number. A picture that is made of nothing, a golden say, is left as it is.
-rt_trace = set -- $(or $(subst $(rt_comma), ,$(RT_DEVICES)),auto); shift $$(expr 0$(rt_frame) % $$\#); set -x; \
-	flock .rt-device-$$1.lock $(rt_bin)rt-trace $(filter %.rtatlas,$^) -o $*.exr -o $*.png $(if $(filter-out auto,$(RT_DEVICES)),--device $$1) \
+rt_trace = set -- $(rt_devices); i=$$(expr 0$(rt_frame) % $$\#); shift $$i; set -x; \
+	flock .rt-device-$$i.lock $(rt_bin)rt-trace $(filter %.rtatlas,$^) -o $*.exr -o $*.png $(call rt_device_option,$$1) \
 	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
 rt_missing = echo "$@ is missing, and no %.rtatlas is named as what it is made of; if it is a golden: look at the new picture and copy \
 	it there (update-goldens in the examples)" >&2; exit 1
-%.exr %.png: .rt-always
+%.exr: .rt-always
 	@$(if $(filter %.rtatlas,$^),$(rt_trace),$(if $(wildcard $@),:,$(rt_missing)))
+# Made with the EXR of its name, where there is one.
+%.png: %.exr
+	@:
+%.png: .rt-always
+	@$(if $(wildcard $@),:,$(rt_missing))
 
 %.hits: .rt-always
-	flock .rt-device-$(rt_first_device).lock $(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) --rays $(call rt_inputs,%.rays) -o $@ \
-	$(addprefix --device ,$(filter-out auto,$(rt_first_device))) $(rt_common) $(RT_QUERY_FLAGS)
+	flock .rt-device-0.lock $(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) --rays $(call rt_inputs,%.rays) -o $@ \
+	$(call rt_device_option,$(firstword $(rt_devices))) $(rt_common) $(RT_QUERY_FLAGS)
 
 %.passed: .rt-always
 	@rm -f $@ # in other folders

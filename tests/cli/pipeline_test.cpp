@@ -149,6 +149,10 @@ TEST_F(CMakePipeline, WrongCallsAreRefusedWhenTheyAreConfigured) {
                   "not a range");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8 FRAMES 3-1)\n",
                   "FRAMES 3-1: the last frame is before the first");
+    expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\nrt_add_regression(g "
+                  "RENDER r GOLDENS g)\n"
+                  "rt_add_render(s ATLAS update_g SIZE 8x8)\n",
+                  "s needs update_g.rtatlas, which nothing makes");
     expectRefused("rt_add_query(q ATLAS x)\n", "RAYS is missing");
     expectRefused("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n"
                   "rt_add_comparison(c A r B scene)\n",
@@ -181,6 +185,16 @@ TEST_F(CMakePipeline, WhatStepsNameMayBeMadeLaterOrByHandOrBeThere) {
               folder_.file("build") + "/sub/there.rtmesh is taken as it is, since nothing makes it\n");
     const CommandResult built = build("picture");
     EXPECT_EQ(built.exitCode, 0) << built.out << built.err;
+}
+
+TEST_F(CMakePipeline, AnAtlasThatAnEarlierCallMadeIsNotTakenForOneThatIsThere) {
+    writeSteps("rt_add_atlas(x SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n");
+    ASSERT_EQ(configure().exitCode, 0);
+    ASSERT_EQ(build().exitCode, 0);
+    writeSteps("rt_add_atlas(renamed SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n");
+    const CommandResult refused = configure();
+    EXPECT_NE(refused.exitCode, 0);
+    EXPECT_THAT(refused.err, HasSubstr("x.rtatlas, which nothing makes"));
 }
 
 TEST_F(CMakePipeline, ATextureThatWasMissingIsSeenWhenItAppears) {
@@ -218,6 +232,9 @@ TEST_F(CMakePipeline, TwoFoldersOfAProjectMayHavePipelinesThatIncludeIt) {
               std::string(includes ? "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n" : "") +
                   "rt_add_scene(" + name + " MODELS ../model.obj)\n");
     }
+    std::ofstream(folder_.file("two/CMakeLists.txt"), std::ios::app)
+        << "rt_add_atlas(atlas SCENE two)\nrt_add_render(r ATLAS atlas SIZE 8x8)\n"
+           "rt_add_regression(gate RENDER r GOLDENS none)\n";
     const std::string project = "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
                                 "add_subdirectory(one)\nadd_subdirectory(two)\n";
     write("CMakeLists.txt", project);
@@ -225,6 +242,9 @@ TEST_F(CMakePipeline, TwoFoldersOfAProjectMayHavePipelinesThatIncludeIt) {
     const CommandResult built = build();
     EXPECT_EQ(built.exitCode, 0) << built.out << built.err;
     EXPECT_TRUE(std::filesystem::exists(folder_.file("build/two/two.rtmesh")));
+    const CommandResult tested = test(); // from the top: tests below it are found, and have no goldens
+    EXPECT_NE(tested.exitCode, 0);
+    EXPECT_THAT(tested.out, HasSubstr("gate"));
     write("CMakeLists.txt", project + "add_subdirectory(without)\n");
     const CommandResult refused = configure();
     EXPECT_NE(refused.exitCode, 0);
@@ -374,6 +394,26 @@ TEST_F(MakePipeline, NoPassedIsLeftOfARunThatDoesNotComeToComparing) {
         for (const char* passed : {"turn.0008.passed", "turn.0009.passed"})
             EXPECT_FALSE(std::filesystem::exists(folder_.file(passed))) << passed << " with " << flags;
     }
+}
+
+TEST_F(MakePipeline, WhoeverWantsThePngGetsTheNewPicture) {
+    std::ofstream(folder_.file("Makefile"), std::ios::app)
+        << "both: turn.0008.png turn.0009.png test\nalone: other.png\n";
+    ASSERT_EQ(make("turn.0008.png").exitCode, 0);
+    ASSERT_EQ(make("update-goldens").exitCode, 0);
+    for (const char* device : {"0", "1"}) // a lock for each, though they have one name
+        EXPECT_TRUE(std::filesystem::exists(folder_.file(".rt-device-" + std::string(device) + ".lock")));
+    ASSERT_EQ(make("both").exitCode, 0);
+    write("model.mtl", "newmtl red\nKd 0.1 0.8 0.1\n");
+    const CommandResult changed = make("both");
+    EXPECT_NE(changed.exitCode, 0);
+    EXPECT_THAT(changed.out, HasSubstr("verdict: fail"));
+    std::filesystem::remove(folder_.file("turn.0009.png"));
+    EXPECT_EQ(make("turn.0009.png").exitCode, 0);
+    EXPECT_TRUE(std::filesystem::exists(folder_.file("turn.0009.png")));
+    EXPECT_THAT(make("alone").err, HasSubstr("other.png is missing"));
+    write("other.png", "a picture of somebody's own");
+    EXPECT_EQ(make("alone").exitCode, 0);
 }
 
 TEST_F(MakePipeline, AQueryFindsTheHitsOfItsRays) {
