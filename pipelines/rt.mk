@@ -54,13 +54,14 @@ rt_trace = set -- $(rt_devices); i=$$(expr 0$(rt_frame) % $$\#); shift $$i; set 
 	$(addprefix --frames ,$(rt_frame)) --stats --reproducible $(rt_common) $(RT_TRACE_FLAGS)
 rt_missing = echo "$@ is missing, and no %.rtatlas is named as what it is made of; if it is a golden: look at the new picture and copy \
 	it there (update-goldens in the examples)" >&2; exit 1
+rt_picture = $(if $(filter %.rtatlas,$^),$(rt_trace),[ -e '$@' ] || { $(rt_missing); })
 %.exr: .rt-always
-	@$(if $(filter %.rtatlas,$^),$(rt_trace),$(if $(wildcard $@),:,$(rt_missing)))
+	@$(rt_picture)
 # Made with the EXR of its name, where there is one.
 %.png: %.exr
-	@:
+	@$(rt_picture)
 %.png: .rt-always
-	@$(if $(wildcard $@),:,$(rt_missing))
+	@$(rt_picture)
 
 %.hits: .rt-always
 	flock .rt-device-0.lock $(rt_bin)rt-trace $(call rt_inputs,%.rtatlas) --rays $(call rt_inputs,%.rays) -o $@ \

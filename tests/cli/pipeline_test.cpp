@@ -194,7 +194,7 @@ TEST_F(CMakePipeline, AnAtlasThatAnEarlierCallMadeIsNotTakenForOneThatIsThere) {
     writeSteps("rt_add_atlas(renamed SCENE scene)\nrt_add_render(r ATLAS x SIZE 8x8)\n");
     const CommandResult refused = configure();
     EXPECT_NE(refused.exitCode, 0);
-    EXPECT_THAT(refused.err, HasSubstr("x.rtatlas, which nothing makes"));
+    EXPECT_THAT(refused.err, HasSubstr("x.rtatlas, whose step is gone"));
 }
 
 TEST_F(CMakePipeline, ATextureThatWasMissingIsSeenWhenItAppears) {
@@ -228,11 +228,13 @@ TEST_F(CMakePipeline, TwoFoldersOfAProjectMayHavePipelinesThatIncludeIt) {
     for (const char* name : {"one", "two", "without"}) {
         std::filesystem::create_directory(folder_.file(name));
         const bool includes = name != std::string("without");
-        write((name + std::string("/CMakeLists.txt")).c_str(),
+        std::filesystem::create_directory(folder_.file(name + std::string("/deeper")));
+        write((name + std::string("/CMakeLists.txt")).c_str(), "add_subdirectory(deeper)\n");
+        write((name + std::string("/deeper/CMakeLists.txt")).c_str(),
               std::string(includes ? "include(" RT_SOURCE_DIR "/pipelines/RtPipeline.cmake)\n" : "") +
-                  "rt_add_scene(" + name + " MODELS ../model.obj)\n");
+                  "rt_add_scene(" + name + " MODELS ../../model.obj)\n");
     }
-    std::ofstream(folder_.file("two/CMakeLists.txt"), std::ios::app)
+    std::ofstream(folder_.file("two/deeper/CMakeLists.txt"), std::ios::app)
         << "rt_add_atlas(atlas SCENE two)\nrt_add_render(r ATLAS atlas SIZE 8x8)\n"
            "rt_add_regression(gate RENDER r GOLDENS none)\n";
     const std::string project = "cmake_minimum_required(VERSION 3.25)\nproject(test LANGUAGES NONE)\n"
@@ -241,7 +243,7 @@ TEST_F(CMakePipeline, TwoFoldersOfAProjectMayHavePipelinesThatIncludeIt) {
     ASSERT_EQ(configure().exitCode, 0);
     const CommandResult built = build();
     EXPECT_EQ(built.exitCode, 0) << built.out << built.err;
-    EXPECT_TRUE(std::filesystem::exists(folder_.file("build/two/two.rtmesh")));
+    EXPECT_TRUE(std::filesystem::exists(folder_.file("build/two/deeper/two.rtmesh")));
     const CommandResult tested = test(); // from the top: tests below it are found, and have no goldens
     EXPECT_NE(tested.exitCode, 0);
     EXPECT_THAT(tested.out, HasSubstr("gate"));
@@ -411,6 +413,8 @@ TEST_F(MakePipeline, WhoeverWantsThePngGetsTheNewPicture) {
     std::filesystem::remove(folder_.file("turn.0009.png"));
     EXPECT_EQ(make("turn.0009.png").exitCode, 0);
     EXPECT_TRUE(std::filesystem::exists(folder_.file("turn.0009.png")));
+    EXPECT_THAT(make("alone").err, HasSubstr("other.png is missing"));
+    write("other.exr", "a texture");
     EXPECT_THAT(make("alone").err, HasSubstr("other.png is missing"));
     write("other.png", "a picture of somebody's own");
     EXPECT_EQ(make("alone").exitCode, 0);
