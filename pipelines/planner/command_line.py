@@ -16,7 +16,7 @@ from planner.help_text import Parser, whole_number
 from planner.report import RUN
 from planner.run_here import Scheduler, run_lock
 from planner.run_step import find_step, refuse_blocked, run_step
-from planner.slurm_queue import JOBS, SlurmSilent, queued_steps
+from planner.slurm_queue import JOBS, SlurmSilent, queued_steps, refuse_queued
 from planner.versions import check_programs, folder_of_tools, version_of, versions_of
 
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "plan"
@@ -150,6 +150,7 @@ def export_command(options):
         return 0
     ninja, make, slurm, openjd = (target and pathlib.Path(os.path.abspath(target)) for target in targets)
     with run_lock(folder):
+        refuse_queued(folder)
         save_graph(graph, folder)
         (folder / RUN).unlink(missing_ok=True)
     if ninja:
@@ -184,9 +185,10 @@ def run_command(options):
     graph, folder = planned(options, runs=True)
     versions = versions_of(graph)
     with run_lock(folder), passed_on() as running:
+        refuse_queued(folder)
         save_graph(graph, folder)
         write_whole(folder / RUN, json.dumps({"start": time.time()}) + "\n")
-        (folder / JOBS).unlink(missing_ok=True)  # of an earlier run: what Slurm still has of it does no harm, and does not count
+        (folder / JOBS).unlink(missing_ok=True)
         Scheduler(graph, folder, versions, running, options.jobs).run()
     if running.signals:
         raise PlanError(SIGNALLED + running.signals[0], f"interrupted; steps that ran have been ended, the same command goes on: {folder}")
@@ -244,7 +246,7 @@ def update_goldens_command(options):
     folder = real(options.folder)
     graph = load_graph(folder)
     with run_lock(folder):
-        print("\n".join(update_goldens(graph, folder)))
+        print("\n".join(update_goldens(graph, folder, statuses_of(graph, folder))))
     return 0
 
 

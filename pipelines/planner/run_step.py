@@ -11,7 +11,7 @@ import time
 from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
 from planner.files import open_lock, parse_json, printable, try_lock, write_whole
-from planner.freshness import signature, signatures
+from planner.freshness import signatures
 from planner.versions import REMEDY
 
 # What a tool says of its failure is for those who read it: exit codes decide.
@@ -108,17 +108,17 @@ def attempt(folder, step, attempts, lock, running, version, touch):
         attempts.append(current)
         save_record(folder, step, "running", attempts)
         prepare(folder, step)
-        before = [signature(folder / output) for output in step.outputs]
+        read, written = signatures(folder, step.inputs), signatures(folder, step.outputs)
         environment = os.environ | ({"RT_DEVICE": name} if name else {})
         handles = [fd for fd in (lock, handle) if fd is not None]
         code, said = execute(folder, step, environment, handles, len(attempts), running)
-    is_same = before == [signature(folder / output) for output in step.outputs]
-    code, state, why = verdict(folder, step, code, said, is_same)
+    code, state, why = verdict(folder, step, code, said, written == signatures(folder, step.outputs))
     for output in step.outputs if touch and code == 0 else ():
         os.utime(folder / output)
     current |= {"end": time.time(), "exitCode": code, "why": why}
-    made = {"version": version, "files": signatures(folder, step, current["start"])} if code == 0 else {}
-    save_record(folder, step, state, attempts, made)
+    # An input that changed meanwhile has no signature. No clocks are compared: that of the file system may be another one.
+    files = {file: now if read[file] == now else None for file, now in signatures(folder, step.inputs).items()} | signatures(folder, step.outputs)
+    save_record(folder, step, state, attempts, {"version": version, "files": files} if code == 0 else {})
 
 
 def prepare(folder, step):

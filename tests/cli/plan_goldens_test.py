@@ -45,7 +45,7 @@ class GoldensTest(PlanTest):
         self.describe_goldens()
         self.stand_in_of_goldens()
         self.call("tent.plan.json", "--ninja", "n")
-        self.assertIn("trace-still has not run since", self.call("update-goldens", "tent", expect=3))
+        self.assertIn("import-tent waiting (to be started); see plan status", self.call("update-goldens", "tent", expect=3))
         self.call("run", "tent.plan.json", expect=1)
         (self.folder / "golden").mkdir()
         self.write("golden/2", "where a folder should be")
@@ -55,7 +55,7 @@ class GoldensTest(PlanTest):
         (self.folder / "golden/2").unlink()
         picture = self.folder / "tent/around/around.0002.exr"
         picture.write_bytes(picture.read_bytes()[:-1])
-        self.assertIn("around.0002.exr: is not of a finished run: trace-around-0002 has not run since", self.call("update-goldens", "tent", expect=3))
+        self.assertIn("around.0002.exr: has changed since trace-around-0002 made it; run", self.call("update-goldens", "tent", expect=3))
         self.assertEqual((self.folder / "golden/still.exr").read_text(), "old")
         self.call("run", "tent.plan.json", expect=1)
         self.call("update-goldens", "tent")
@@ -70,11 +70,11 @@ class GoldensTest(PlanTest):
         (self.folder / "tent/fails").touch()
         self.call_here("run", "tent.plan.json", expect=1)  # and has the pictures of the run before
         said = self.call_here("update-goldens", "tent", expect=3)
-        self.assertRegex(said, r"^plan: error: .*/still.exr: is not of a finished run: import-tent failed; see .*/logs/import-tent.log, and run .*\n$")
+        self.assertRegex(said, r"^plan: error: .*/still.exr: is not of a finished run: import-tent failed \(exit code 4\); see plan status .*/tent\n$")
         (self.folder / "tent/fails").unlink()
         (self.folder / "tent/tent.rtmesh").unlink()
         self.call_here("step", "tent", "import-tent")  # as if the run had been interrupted then: another mesh, of which there are no pictures
-        self.assertRegex(self.call_here("update-goldens", "tent", expect=3), r"^plan: error: .*/still.exr: is not of a finished run: grid-tent has not run since what it reads or makes changed; run the pipeline")
+        self.assertRegex(self.call_here("update-goldens", "tent", expect=3), r"^plan: error: .*/still.exr: is not of a finished run: grid-tent waiting \(what it reads has changed since\); see plan status .*\n$")
         self.assertFalse((self.folder / "golden").exists())
         self.call_here("run", "tent.plan.json", expect=1)
         self.call_here("update-goldens", "tent")

@@ -173,6 +173,24 @@ def check_failures(trial, cluster):
     assert not ran, f"ran in spite of what failed: {ran}"
 
 
+def check_cancelled(trial, cluster):
+    """A finished run that is handed in again and cancelled is not finished, and is left alone as long as it is queued."""
+    environment = trial.environment | cluster.environment
+    export = (sys.executable, trial.plan, "local.plan.json", "--slurm", "local-jobs", "--tools", trial.tools)
+    trial.run(*export)
+    submits = [subprocess.Popen(["sh", "local-jobs/submit.sh", "--hold"], cwd=trial.folder, env=environment) for _ in range(2)]
+    codes = sorted(submit.wait() for submit in submits)
+    assert codes == [0, 3], f"two submit.sh at once ended with {codes}"
+    code, steps = trial.status(cluster, trial.folder / "local")
+    assert code == 10 and all("(JobHeldUser)" in step["why"] or "(Dependency)" in step["why"] for step in steps), steps
+    trial.run(*export, environment=environment, expect=3)
+    trial.run(sys.executable, trial.plan, "run", "local.plan.json", "--tools", trial.tools, environment=environment, expect=3)
+    trial.run("scancel", "--me", environment=environment)
+    cluster.wait_for(lambda: not cluster.ask("squeue", "-h"), "the queue is not emptied", 60)
+    code, steps = trial.status(cluster, trial.folder / "local")
+    assert code == 1 and {step["state"] for step in steps} == {"blocked"}, steps
+
+
 def main():
     reason = why_not()
     if reason:
@@ -191,6 +209,7 @@ def main():
         with SlurmCluster(folder / "cluster") as cluster:
             check(trial, run_with_faults(trial, cluster))
             check_failures(trial, cluster)
+            check_cancelled(trial, cluster)
         code, steps = trial.status(cluster, folder / RUN)
         assert code == 0, f"without Slurm the finished run's status ends with {code}: {steps}"
     return 0
