@@ -212,7 +212,7 @@ class ExportTest(PlanTest):
         """By all that would write what its tasks read, and by submit.sh where that was written."""
         self.describe()
         self.call_here("tent.plan.json", "--slurm", "s")
-        self.write("sbatch", "#!/bin/sh\ntouch handed; while [ ! -e go ]; do sleep 0.02; done; echo 7\n", 0o755)
+        self.write("sbatch", "#!/bin/sh\ntouch handed; n=0; while [ ! -e go ] && [ $n -lt 400 ]; do sleep 0.02; n=$((n + 1)); done; echo 7\n", 0o755)
         self.write("squeue", "#!/bin/sh\n", 0o755)
         self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
         submit = lambda: subprocess.Popen(["sh", "s/submit.sh"], cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)  # noqa: E731

@@ -65,12 +65,10 @@ class RunTest(PlanTest):
 
     def test_a_file_system_with_another_clock_makes_no_input_changed(self):
         self.describe_still()
-        self.stand_in("make\n")
+        self.stand_in("[ -e $out ] || make\n")
         now = time.time
         with unittest.mock.patch.object(time, "time", lambda: now() - 100):
             self.call_here("run", "tent.plan.json")
-        self.assertEqual(self.run_again(), "import-tent grid-tent trace-still")  # since that import makes another mesh
-        self.stand_in("[ -e $out ] || make\n")
         self.assertEqual(self.run_again(), "import-tent")
 
     def test_failures_are_retried_so_often_and_no_more(self):
@@ -158,7 +156,9 @@ class RunTest(PlanTest):
 
     def wait_for_lock(self, process):
         """Until it has come so far that it waits for the first step's end."""
-        self.wait_for(lambda: any(os.path.basename(os.readlink(file)) == "import-tent.lock" for file in pathlib.Path(f"/proc/{process.pid}/fd").iterdir()))
+        lock = os.path.realpath(self.folder / "tent/steps/import-tent.lock")
+        opened = lambda: map(os.path.realpath, pathlib.Path(f"/proc/{process.pid}/fd").iterdir())  # noqa: E731 - some are closed meanwhile
+        self.wait_for(lambda: lock in opened())
 
     def test_a_step_that_was_cut_off_goes_on_and_is_not_run_twice_at_a_time(self):
         self.export_with("echo x >>starts; while [ -e starts ] && [ ! -e go ]; do sleep 0.02; done; : >tent.rtmesh\n")

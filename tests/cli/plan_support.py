@@ -108,7 +108,7 @@ done
 out=${outs# }; out=${out%% *}
 make() { for out in $outs; do for n in $(seq ${frames%-*} ${frames#*-}); do touch "$(printf "$out" $n)"; done; done; }
 """
-        (self.folder / "tools").mkdir(exist_ok=True)
+        (self.folder / "tools").mkdir()
         for tool in ("rt-import", "rt-grid", "rt-trace", "rt-compare"):
             self.write(f"tools/{tool}", head + script, 0o755)
         self.environment["RT_TOOLS_DIR"] = str(self.folder / "tools")
