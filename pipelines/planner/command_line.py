@@ -14,7 +14,7 @@ from planner.goldens import update_goldens
 from planner.graph import build_graph, load_graph, save_graph
 from planner.help_text import Parser, whole_number
 from planner.report import RUN
-from planner.run_here import Scheduler, run_lock
+from planner.run_here import RUN_LOCK, Scheduler, run_lock
 from planner.run_step import find_step, refuse_blocked, run_step
 from planner.slurm_queue import JOBS, SlurmSilent, queued_steps, refuse_queued
 from planner.versions import check_programs, folder_of_tools, version_of, versions_of
@@ -234,12 +234,21 @@ def report_command(options):
     if not options.output and not options.junit:
         raise PlanError(USAGE, "neither -o nor --junit: there is nothing to write")
     graph = load_graph(options.folder)
+    for target in filter(None, (options.output, options.junit)):
+        refuse_own(graph, options.folder, target)
     statuses = statuses_of(graph, options.folder)
     if options.output:
         write_whole(options.output, report.page(graph, options.folder, statuses, options.output))
     if options.junit:
         write_whole(options.junit, junit.suite(graph, options.folder, statuses))
     return 0
+
+
+def refuse_own(graph, folder, target):
+    """Throws PlanError if a report would replace a file of the run, or of its sources."""
+    own = {file for step in graph.steps for file in (*step.inputs, *step.outputs, step.record, step.log)} | {"plan.json", RUN, RUN_LOCK, JOBS}
+    if os.path.relpath(real(target), real(folder)) in own:
+        raise PlanError(USAGE, f"{target}: belongs to the run; name another file for the report")
 
 
 def update_goldens_command(options):

@@ -27,7 +27,7 @@ def run_step(folder, step, running, version, retries=0, touch=False):
         attempts = interrupted_attempts(folder, step)
         for left in range(retries, -1, -1):
             attempt(folder, step, attempts, lock, running, version, touch)
-            if left == 0 or running.signals or not may_pass_next_time(attempts[-1]["exitCode"]):
+            if left == 0 or running.signals or lacks_golden(folder, step) or not may_pass_next_time(attempts[-1]["exitCode"]):
                 return attempts
             time.sleep(PAUSE_SECONDS)
 
@@ -35,6 +35,10 @@ def run_step(folder, step, running, version, retries=0, touch=False):
 def may_pass_next_time(code):
     """File access, a GPU that was not there, an internal error, a crash; not wrong input, and not being told to end."""
     return code in (FILE_ACCESS, NO_GPU, INTERNAL) or (code > SIGNALLED and code - SIGNALLED not in (signal.SIGTERM, signal.SIGINT))
+
+
+def lacks_golden(folder, step):
+    return step.stage == "compare" and not (folder / step.inputs[1]).exists()
 
 
 def find_step(graph, folder, token):
@@ -168,7 +172,7 @@ def why_failed(folder, step, code, said):
         return f"ended by {signal_name(code - SIGNALLED)}" + (limit if by_slurm else "")
     if code == CANNOT_RUN:
         return said
-    if step.stage == "compare" and not (folder / step.inputs[1]).exists():
+    if lacks_golden(folder, step):
         return f"there is no golden {step.inputs[1]}: look at {step.inputs[0]}, then make goldens with update-goldens"
     reasons = REASON.findall(said)
     page = f"; see {step.outputs[1]}" if step.stage == "compare" and (folder / step.outputs[1]).exists() else ""

@@ -41,6 +41,21 @@ class GoldensTest(PlanTest):
         self.assertEqual(re.findall(r": (.*)$", said, re.MULTILINE), ["replaced", "the same", "the same"])
         self.call("run", "tent.plan.json")
 
+    def test_a_golden_that_is_gone_leaves_no_figures_of_before_and_is_not_waited_for(self):
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {
+            "renders": {"still": LOOK}, "comparisons": {"gate": {"render": "still", "golden": "golden/still.exr"}}})  # fmt: skip
+        self.call_here("run", "tent.plan.json", expect=1)
+        self.call_here("update-goldens", "tent")
+        self.call_here("run", "tent.plan.json")
+        self.call_here("report", "tent", "-o", "tent/report.html")
+        self.assertRegex((self.folder / "tent/report.html").read_text(), "RMSE 0.*href=\"gate/gate.html")
+        (self.folder / "golden/still.exr").unlink()
+        self.call_here("step", "tent", "compare-gate", "--retries", "2", expect=3)
+        self.assertEqual(len(self.states(expect=1)["compare-gate"]["attempts"]), 1)
+        self.call_here("report", "tent", "-o", "tent/report.html")
+        self.assertNotRegex((self.folder / "tent/report.html").read_text(), "RMSE 0|href=\"gate/gate.html")
+        self.call_here("run", "tent.plan.json", expect=1)
+
     def test_goldens_are_replaced_all_or_none(self):
         self.describe_goldens()
         self.stand_in_of_goldens()

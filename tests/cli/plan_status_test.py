@@ -258,6 +258,17 @@ class ReportTest(PlanTest):
             self.assertEqual((self.folder / "made" / name).read_bytes(), (self.folder / "tent" / name).read_bytes(), name)
         self.check_reports()
 
+    def test_reports_replace_no_file_of_the_run(self):
+        self.describe_still()
+        self.stand_in("make\n")
+        self.call_here("run", "tent.plan.json")
+        (self.folder / "link").symlink_to("tent")
+        before = {path: path.read_bytes() for path in self.folder.rglob("*.*") if path.is_file()}
+        for name in ("tent/plan.json", "link/run.json", "tent/steps/import-tent.json", "tent/still/still.png", "tent.obj"):
+            for option in ("-o", "--junit"):
+                self.assertRegex(self.call_here("report", "tent", option, name, expect=2), rf"^plan: error: {name}: belongs to the run; .*\n$")
+        self.assertEqual(before, {path: path.read_bytes() for path in before})
+
     def check_reports(self):
         self.call("report", "tent", "-o", "report.html", "--junit", "junit.xml")
         page = (self.folder / "report.html").read_text()
