@@ -153,6 +153,8 @@ def export_command(options):
         refuse_queued(folder)
         save_graph(graph, folder)
         (folder / RUN).unlink(missing_ok=True)
+        if not slurm:  # which else has to run every step again
+            (folder / JOBS).unlink(missing_ok=True)
     if ninja:
         write_whole(ninja, export_ninja.ninja_text(graph, plan, folder, ninja))
     if make:

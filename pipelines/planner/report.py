@@ -90,13 +90,14 @@ def pictures(graph, folder, by_id):
 
 def picture(folder, item, by_id):
     stem = item["exr"].removesuffix(".exr")
-    caption = html.escape(os.path.basename(stem))
+    state = by_id[item["step"]].state
+    caption = html.escape(os.path.basename(stem)) + ("" if state in DONE else f": {state}")
     try:
         small = thumbnail((folder / f"{stem}.png").read_bytes(), PIXELS)
     except OSError:
         small = None
     if small is None:
-        return f"<figure><figcaption>{caption}: {by_id[item['step']].state}</figcaption></figure>"
+        return f"<figure><figcaption>{caption}</figcaption></figure>"
     data = base64.b64encode(small).decode()
     return f'<figure><img alt="{caption}" src="data:image/png;base64,{data}"><figcaption>{caption}</figcaption></figure>'
 

@@ -232,6 +232,7 @@ class ExportTest(PlanTest):
             self.assertEqual(before, {path: path.read_bytes() for path in before})
         self.write("squeue", "#!/bin/sh\n", 0o755)
         self.call_here("tent.plan.json", "--ninja", "n")
+        self.assertFalse((self.folder / "tent/slurm-jobs.tsv").exists())
         self.assertRegex(submit().communicate()[1].decode(), r"^s/submit.sh: error: \S*/tent/plan.json changed since this was exported; export again\n$")
 
 

@@ -189,6 +189,14 @@ def check_cancelled(trial, cluster):
     cluster.wait_for(lambda: not cluster.ask("squeue", "-h"), "the queue is not emptied", 60)
     code, steps = trial.status(cluster, trial.folder / "local")
     assert code == 1 and {step["state"] for step in steps} == {"blocked"}, steps
+    script = trial.folder / "local-jobs" / "import-tent.sbatch"
+    script.write_text(script.read_text().replace(sys.executable, "/no/python3"))
+    trial.run("sh", "local-jobs/submit.sh", environment=environment)
+    cluster.wait_for(lambda: not cluster.ask("squeue", "-h"), "the queue is not emptied", 60)
+    code, steps = trial.status(cluster, trial.folder / "local")
+    log = trial.folder / "local" / "logs" / "slurm-local.import-tent-1.log"
+    assert code == 1 and steps[0]["why"] == f"ended before it could say why; see {log}" and "/no/python3" in log.read_text(), steps
+    assert [step["why"] for step in steps[1:]] == ["import-tent blocked; its outputs are of an earlier run", "grid-tent blocked; its outputs are of an earlier run"], steps
 
 
 def main():
