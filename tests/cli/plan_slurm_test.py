@@ -168,7 +168,7 @@ def check_failures(trial, cluster):
     lost |= {"merge-around-0012": "trace-around-0012-1of2 failed", "compare-same-0012": "merge-around-0012 blocked"}
     failed = [bad.pop(id, "not") for id in ("import-broken", "trace-around-0012-1of2")]
     assert code == 1 and all(why.startswith("failed: rt-") for why in failed), failed
-    assert bad == {id: f"blocked: {why}" for id, why in lost.items()}, bad
+    assert bad == {id: f"blocked: {why}" for id, why in lost.items()}, f"{bad}\n{cluster.logs()}"
     ran = [id for id in lost if (trial.folder / "broken" / "logs" / f"{id}.log").exists()]
     assert not ran, f"ran in spite of what failed: {ran}"
 
