@@ -14,9 +14,9 @@ from planner.goldens import update_goldens
 from planner.graph import build_graph, load_graph, save_graph
 from planner.help_text import Parser, whole_number
 from planner.report import RUN
-from planner.run_here import Scheduler, run_lock
+from planner.run_here import RUN_LOCK, Scheduler, run_lock
 from planner.run_step import find_step, refuse_blocked, run_step
-from planner.slurm_queue import JOBS, SlurmSilent, queued_steps
+from planner.slurm_queue import JOBS, SlurmSilent, queued_steps, refuse_queued
 from planner.versions import check_programs, folder_of_tools, version_of, versions_of
 
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "plan"
@@ -150,8 +150,11 @@ def export_command(options):
         return 0
     ninja, make, slurm, openjd = (target and pathlib.Path(os.path.abspath(target)) for target in targets)
     with run_lock(folder):
+        refuse_queued(folder)
         save_graph(graph, folder)
         (folder / RUN).unlink(missing_ok=True)
+        if not slurm:  # which else has to run every step again
+            (folder / JOBS).unlink(missing_ok=True)
     if ninja:
         write_whole(ninja, export_ninja.ninja_text(graph, plan, folder, ninja))
     if make:
@@ -184,9 +187,10 @@ def run_command(options):
     graph, folder = planned(options, runs=True)
     versions = versions_of(graph)
     with run_lock(folder), passed_on() as running:
+        refuse_queued(folder)
         save_graph(graph, folder)
         write_whole(folder / RUN, json.dumps({"start": time.time()}) + "\n")
-        (folder / JOBS).unlink(missing_ok=True)  # of an earlier run: what Slurm still has of it does no harm, and does not count
+        (folder / JOBS).unlink(missing_ok=True)
         Scheduler(graph, folder, versions, running, options.jobs).run()
     if running.signals:
         raise PlanError(SIGNALLED + running.signals[0], f"interrupted; steps that ran have been ended, the same command goes on: {folder}")
@@ -232,6 +236,8 @@ def report_command(options):
     if not options.output and not options.junit:
         raise PlanError(USAGE, "neither -o nor --junit: there is nothing to write")
     graph = load_graph(options.folder)
+    for target in filter(None, (options.output, options.junit)):
+        refuse_own(graph, options.folder, target)
     statuses = statuses_of(graph, options.folder)
     if options.output:
         write_whole(options.output, report.page(graph, options.folder, statuses, options.output))
@@ -240,11 +246,18 @@ def report_command(options):
     return 0
 
 
+def refuse_own(graph, folder, target):
+    """Throws PlanError if a report would replace a file of the run, or of its sources."""
+    own = {file for step in graph.steps for file in (*step.inputs, *step.outputs, step.record, step.log)} | {"plan.json", RUN, RUN_LOCK, JOBS}
+    if os.path.relpath(real(target), real(folder)) in own:
+        raise PlanError(USAGE, f"{target}: belongs to the run; name another file for the report")
+
+
 def update_goldens_command(options):
     folder = real(options.folder)
     graph = load_graph(folder)
     with run_lock(folder):
-        print("\n".join(update_goldens(graph, folder)))
+        print("\n".join(update_goldens(graph, folder, statuses_of(graph, folder))))
     return 0
 
 

@@ -4,8 +4,8 @@ import shlex
 
 from planner.errors import INVALID_CONTENT, PlanError
 from planner.files import write_whole
-from planner.graph import RETRIES
-from planner.slurm_arrays import arrays_of
+from planner.graph import RETRIES, read_graph
+from planner.slurm_arrays import arrays_of, slurm_log
 
 JOB = """#!/bin/sh
 #SBATCH --job-name={name}
@@ -36,14 +36,18 @@ SUBMIT = """#!/bin/sh
 set -eu
 cd {folder}
 mkdir -p logs
-list=slurm-jobs.tsv.$$
+refuse() {{ echo "$0: error: $*" >&2; exit 3; }}
+exec 9>>run.lock
+flock -n 9 || refuse {folder} "is at work already: plan run or submit.sh; wait for its end"
+[ "$(head -n 1 plan.json)" = {head} ] || refuse {folder}/plan.json "changed since this was exported; export again"
 if [ -e slurm-jobs.tsv ] && squeue -h --me -o %F | grep -qxF "$(cut -f1 slurm-jobs.tsv)"; then
-    echo "$0: error: Slurm still has jobs of this run; wait for them, or take them back:" scancel $(cut -f1 slurm-jobs.tsv) >&2
-    exit 3
+    refuse "Slurm still has jobs of this run; wait for them, or take them back:" scancel $(cut -f1 slurm-jobs.tsv)
 fi
+list=slurm-jobs.tsv.$$
 jobs=
 note() {{ printf '%s\\t%s\\n' "$1" "$2" >>"$list"; jobs="$jobs${{jobs:+:}}$1"; }}
 : >"$list"
+touch run.lock  # now: what is recorded earlier is of an earlier run
 # All or nothing: what was handed in before an error or a signal is taken back.
 trap '[ -z "$jobs" ] || scancel $(echo "$jobs" | tr : " "); rm -f "$list"' EXIT
 trap 'exit 130' INT
@@ -51,6 +55,7 @@ trap 'exit 143' TERM HUP
 {submissions}
 sbatch "$@" --parsable --dependency=afterany:"$jobs" {summary} >/dev/null
 trap - EXIT
+touch -r run.lock "$list"
 mv "$list" slurm-jobs.tsv
 echo "$jobs" | tr : '\\n'
 """
@@ -66,7 +71,7 @@ def export_slurm(graph, plan, folder, jobs_folder):
     summary = jobs_folder / "summary.sbatch"
     write_whole(summary, SUMMARY.format(plan=shlex.join(plan), **directives(folder, f"{graph.name}.summary", "")), executable=True)
     text = SUBMIT.format(name=graph.name, folder=shlex.quote(str(folder)), submissions="\n".join(submissions),
-                         summary=shlex.quote(str(summary)))  # fmt: skip
+                         head=shlex.quote(read_graph(folder).partition("\n")[0]), summary=shlex.quote(str(summary)))  # fmt: skip
     write_whole(jobs_folder / "submit.sh", text, executable=True)
 
 
@@ -74,7 +79,7 @@ def directives(folder, name, task):
     """What #SBATCH lines say of a job, quoted as sbatch reads it."""
     if re.search(r'[\\"]', f"{folder}{name}"):
         raise PlanError(INVALID_CONTENT, f"{folder}: Slurm cannot have quotation marks and backslashes in names; rename it")
-    log = f"{folder}/logs/slurm-{name}".replace("%", "%%") + f"{task}.log"
+    log = slurm_log(folder, name).replace("%", "%%") + f"{task}.log"
     return {"name": f'"{name}"', "folder": f'"{folder}"', "log": f'"{log}"'}
 
 

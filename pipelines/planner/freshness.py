@@ -8,13 +8,9 @@ import os
 from planner.devices import are_of_a_kind
 
 
-def signatures(folder, step, start):
-    """{file: its signature after the step} of all that it read and wrote; None for an input that changed since `start`."""
-    found = {file: signature(folder / file) for file in [*step.inputs, *step.outputs]}
-    for file in step.inputs:
-        if found[file] and found[file][2] >= start * 1e9:
-            found[file] = None
-    return found
+def signatures(folder, files):
+    """{file: its signature}."""
+    return {file: signature(folder / file) for file in files}
 
 
 def signature(path):

@@ -1,7 +1,6 @@
 """Makes the goldens of a pipeline from the pictures of a run."""
 import contextlib
 import filecmp
-import functools
 import os
 import pathlib
 
@@ -9,9 +8,10 @@ from planner.errors import FILE_ACCESS, INVALID_CONTENT, USAGE, PlanError
 from planner.files import passed_on, replacement
 from planner.freshness import untouched
 from planner.run_step import read_record
+from planner.status import DONE
 
 
-def update_goldens(graph, folder):
+def update_goldens(graph, folder, statuses):
     """What was done, in lines. Throws PlanError and replaces nothing if a picture is not there yet, or a copy cannot be made."""
     pictures = {}  # golden: picture
     for name, made in graph.comparisons.items():
@@ -20,7 +20,7 @@ def update_goldens(graph, folder):
                 raise PlanError(INVALID_CONTENT, f"$.comparisons.{name}.golden: is the golden of {pictures[item['golden']]} too; rename one")
     if not pictures:
         raise PlanError(USAGE, f"{folder}: no comparison has a golden; see the README of the pipelines")
-    check_pictures(graph, folder, pictures)
+    check_pictures(graph, folder, pictures, statuses)
     return replace_all([(folder / picture, golden_path(folder, golden)) for golden, picture in pictures.items()])
 
 
@@ -33,26 +33,18 @@ def golden_path(folder, golden):
     return path
 
 
-def check_pictures(graph, folder, pictures):
+def check_pictures(graph, folder, pictures, statuses):
     """All are whole, and of a run in which all went well that led to them."""
     makers = {picture["exr"]: picture["step"] for made in graph.renders.values() for picture in made}
-    made = {output for step in graph.steps for output in step.outputs}
-    record_of = functools.cache(lambda id: read_record(folder, graph.by_id[id]))
-    is_done = functools.cache(lambda id: has_made(folder, record_of(id), made.intersection(graph.by_id[id].inputs)))
+    by_id = {status.step.id: status for status in statuses}
     for picture in pictures.values():
-        ids = [step.id for step in graph.lineage(makers[picture])]
-        failed = next((id for id in ids if record_of(id) and record_of(id)["state"] == "failed"), None)
-        if failed:
-            raise PlanError(FILE_ACCESS, f"{folder / picture}: is not of a finished run: {failed} failed; see {folder / graph.by_id[failed].log}, and run the pipeline again")
-        undone = next((id for id in ids if not is_done(id)), None)
-        if undone or not has_made(folder, record_of(makers[picture]), [picture]):
-            since = f"{undone or makers[picture]} has not run since what it reads or makes changed"
-            raise PlanError(FILE_ACCESS, f"{folder / picture}: is not of a finished run: {since}; run the pipeline")
-
-
-def has_made(folder, record, files):
-    """Whether it ended well, and these that it read or wrote are still the same."""
-    return record and record["state"] in ("done", "skipped") and untouched(folder, record, files)
+        lineage = [by_id[step.id] for step in graph.lineage(makers[picture])]
+        undone = next((status for status in reversed(lineage) if status.state not in DONE), None)
+        if undone:
+            said = f"{undone.step.id} {undone.state} ({undone.why})" if undone.why else f"{undone.step.id} {undone.state}"
+            raise PlanError(FILE_ACCESS, f"{folder / picture}: is not of a finished run: {said}; see plan status {folder}")
+        if not untouched(folder, read_record(folder, lineage[0].step), [picture]):
+            raise PlanError(FILE_ACCESS, f"{folder / picture}: has changed since {makers[picture]} made it; run the pipeline again")
 
 
 def replace_all(pairs):

@@ -7,8 +7,10 @@ from planner.files import parse_json, tail
 from planner.gantt import COLORS, FAILED, gantt
 from planner.junit import seconds
 from planner.run_step import is_time
+from planner.status import DONE
 from planner.thumbnail import thumbnail
 
+DIFFERS = 1  # rt-compare's exit code
 RUN = "run.json"  # when `plan run` began
 PIXELS = 240
 PICTURES = 24  # of one render; of more, evenly many
@@ -58,10 +60,11 @@ def comparisons(graph, folder, by_id, base):
 
 def comparison(name, item, folder, status, base):
     verdict = {"done": "pass", "skipped": "pass", "failed": "fail"}.get(status.state, status.state)
-    shown = link(folder / item["page"], base, "page") if (folder / item["page"]).exists() else ""
+    has_compared = status.state in DONE or (status.state == "failed" and status.attempts[-1]["exitCode"] == DIFFERS)  # else what is there is older
+    shown = link(folder / item["page"], base, "page") if has_compared and (folder / item["page"]).exists() else ""
     against = "golden" if item["golden"] else status.step.argv[2]
     cells = [html.escape(name), f'<span class="{status.state}">{verdict}</span>', html.escape(item["exr"]), html.escape(against),
-             html.escape(figures(folder / item["figures"])), shown]  # fmt: skip
+             html.escape(figures(folder / item["figures"])) if has_compared else "", shown]  # fmt: skip
     return "<tr>" + "".join(f"<td>{cell}</td>" for cell in cells) + "</tr>"
 
 
@@ -87,13 +90,14 @@ def pictures(graph, folder, by_id):
 
 def picture(folder, item, by_id):
     stem = item["exr"].removesuffix(".exr")
-    caption = html.escape(os.path.basename(stem))
+    state = by_id[item["step"]].state
+    caption = html.escape(os.path.basename(stem)) + ("" if state in DONE else f": {state}")
     try:
         small = thumbnail((folder / f"{stem}.png").read_bytes(), PIXELS)
     except OSError:
         small = None
     if small is None:
-        return f"<figure><figcaption>{caption}: {by_id[item['step']].state}</figcaption></figure>"
+        return f"<figure><figcaption>{caption}</figcaption></figure>"
     data = base64.b64encode(small).decode()
     return f'<figure><img alt="{caption}" src="data:image/png;base64,{data}"><figcaption>{caption}</figcaption></figure>'
 

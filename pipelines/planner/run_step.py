@@ -11,7 +11,7 @@ import time
 from planner.devices import device
 from planner.errors import CANNOT_RUN, FILE_ACCESS, INTERNAL, NO_GPU, SIGNALLED, USAGE, PlanError
 from planner.files import open_lock, parse_json, printable, try_lock, write_whole
-from planner.freshness import signature, signatures
+from planner.freshness import signatures
 from planner.versions import REMEDY
 
 # What a tool says of its failure is for those who read it: exit codes decide.
@@ -27,7 +27,7 @@ def run_step(folder, step, running, version, retries=0, touch=False):
         attempts = interrupted_attempts(folder, step)
         for left in range(retries, -1, -1):
             attempt(folder, step, attempts, lock, running, version, touch)
-            if left == 0 or running.signals or not may_pass_next_time(attempts[-1]["exitCode"]):
+            if left == 0 or running.signals or lacks_golden(folder, step) or not may_pass_next_time(attempts[-1]["exitCode"]):
                 return attempts
             time.sleep(PAUSE_SECONDS)
 
@@ -35,6 +35,10 @@ def run_step(folder, step, running, version, retries=0, touch=False):
 def may_pass_next_time(code):
     """File access, a GPU that was not there, an internal error, a crash; not wrong input, and not being told to end."""
     return code in (FILE_ACCESS, NO_GPU, INTERNAL) or (code > SIGNALLED and code - SIGNALLED not in (signal.SIGTERM, signal.SIGINT))
+
+
+def lacks_golden(folder, step):
+    return step.stage == "compare" and not (folder / step.inputs[1]).exists()
 
 
 def find_step(graph, folder, token):
@@ -108,17 +112,17 @@ def attempt(folder, step, attempts, lock, running, version, touch):
         attempts.append(current)
         save_record(folder, step, "running", attempts)
         prepare(folder, step)
-        before = [signature(folder / output) for output in step.outputs]
+        read, written = signatures(folder, step.inputs), signatures(folder, step.outputs)
         environment = os.environ | ({"RT_DEVICE": name} if name else {})
         handles = [fd for fd in (lock, handle) if fd is not None]
         code, said = execute(folder, step, environment, handles, len(attempts), running)
-    is_same = before == [signature(folder / output) for output in step.outputs]
-    code, state, why = verdict(folder, step, code, said, is_same)
+    code, state, why = verdict(folder, step, code, said, written == signatures(folder, step.outputs))
     for output in step.outputs if touch and code == 0 else ():
         os.utime(folder / output)
     current |= {"end": time.time(), "exitCode": code, "why": why}
-    made = {"version": version, "files": signatures(folder, step, current["start"])} if code == 0 else {}
-    save_record(folder, step, state, attempts, made)
+    # An input that changed meanwhile has no signature. No clocks are compared: that of the file system may be another one.
+    files = {file: now if read[file] == now else None for file, now in signatures(folder, step.inputs).items()} | signatures(folder, step.outputs)
+    save_record(folder, step, state, attempts, {"version": version, "files": files} if code == 0 else {})
 
 
 def prepare(folder, step):
@@ -168,7 +172,7 @@ def why_failed(folder, step, code, said):
         return f"ended by {signal_name(code - SIGNALLED)}" + (limit if by_slurm else "")
     if code == CANNOT_RUN:
         return said
-    if step.stage == "compare" and not (folder / step.inputs[1]).exists():
+    if lacks_golden(folder, step):
         return f"there is no golden {step.inputs[1]}: look at {step.inputs[0]}, then make goldens with update-goldens"
     reasons = REASON.findall(said)
     page = f"; see {step.outputs[1]}" if step.stage == "compare" and (folder / step.outputs[1]).exists() else ""

@@ -5,6 +5,11 @@ import dataclasses
 from planner.graph import CHUNK
 
 
+def slurm_log(folder, name):
+    """Slurm's own log of a job, less "-TASK.log": of what happens before and after `plan step`."""
+    return f"{folder}/logs/slurm-{name}"
+
+
 @dataclasses.dataclass
 class Array:
     name: str

@@ -5,12 +5,15 @@ import fcntl
 import os
 
 from planner.files import try_lock
+from planner.freshness import untouched
 from planner.run_here import RUN_LOCK
 from planner.run_step import lock_path, missing_outputs, read_record
-from planner.slurm_arrays import arrays_of
+from planner.slurm_arrays import arrays_of, slurm_log
+from planner.slurm_queue import JOBS, time_of
 
 FINISHED, FAILED, UNFINISHED = 0, 1, 10
-STATES = ("done", "skipped", "failed", "running", "waiting", "blocked")
+DONE = ("done", "skipped")
+STATES = (*DONE, "failed", "running", "waiting", "blocked")
 AGAIN = "run the pipeline again: what is done is not done again"  # with plan run, submit.sh, ninja or make
 LOST = "is not in Slurm's queue: cancelled, or lost"
 UNKNOWN = "?"
@@ -28,25 +31,30 @@ class StepStatus:
 
 def run_status(graph, folder, queue=None, is_silent=False):
     """The status of every step, in the graph's order. `queue`: that of Slurm, or None; `is_silent`: Slurm does not say it."""
-    found = {}
+    found, since = {}, time_of(folder / JOBS)
     for step in graph.steps:
-        found[step.id] = step_status(step, folder, found, queue, is_silent)
+        found[step.id] = step_status(step, folder, found, queue, is_silent, since)
     if queue is not None:
-        blame_others(graph, found)
+        say_why_lost(graph, folder, found, since)
     return list(found.values())
 
 
-def blame_others(graph, found):
-    """Slurm cancels an array if any step of another fails that it waited for as a whole."""
+def say_why_lost(graph, folder, found, since):
+    """What ended without a record has a log of Slurm's; else Slurm cancels an array if any step of another fails that it waited for as a whole."""
     arrays = arrays_of(graph)
     for array in arrays:
         awaited = (found[step.id] for number in array.after_all for step in arrays[number].steps)
         culprit = next((status for status in awaited if status.state in ("failed", "blocked")), None)
-        for status in (found[step.id] for step in array.steps if culprit and found[step.id].why == LOST):
-            status.why = f"{culprit.step.id} {culprit.state}, and Slurm starts {status.step.group} after all of {culprit.step.group} only"
+        for place, status in enumerate((found[step.id] for step in array.steps), 1):
+            log = f"{slurm_log(folder, f'{graph.name}.{array.name}')}-{place}.log"
+            if status.why == LOST and time_of(log) >= max(since, 1):
+                status.why = f"ended before it could say why; see {log}"
+            elif status.why == LOST and culprit:
+                status.why = f"{culprit.step.id} {culprit.state}, and Slurm starts {status.step.group} after all of {culprit.step.group} only"
 
 
-def step_status(step, folder, found, queue, is_silent):
+def step_status(step, folder, found, queue, is_silent, since):
+    """`since`: when all steps were handed in to Slurm, so that what is recorded before is of an earlier run."""
     record, runs = record_of_now(folder, step)
     attempts = record["attempts"] if record else []
     if runs:
@@ -56,22 +64,33 @@ def step_status(step, folder, found, queue, is_silent):
         return StepStatus(step, "waiting", f"Slurm job {job} {state}" + (f" ({reason})" if reason else ""), attempts, job, reason)
     stopped = next((id for id in step.depends_on if found[id].state in ("failed", "blocked")), None)
     if stopped:
-        older = "; its outputs are of an earlier run" if record and record["state"] in ("done", "skipped") else ""
+        older = "; its outputs are of an earlier run" if record and record["state"] in DONE else ""
         return StepStatus(step, "blocked", f"{stopped} {found[stopped].state}{older}", attempts)
+    if record and time_of(folder / step.record) < since:
+        record = None
+    awaited = next((f"for {id}" for id in step.depends_on if found[id].state not in DONE), "")
+    if record and record["state"] in DONE:
+        changed = awaited or what_changed(folder, step, record, found)
+        if changed:  # Slurm has nothing that would make it again.
+            return StepStatus(step, "waiting" if queue is None or awaited else "blocked", changed, attempts)
     if record and record["state"] != "running":
-        gone = missing_outputs(folder, step) if record["state"] in ("done", "skipped") else []
-        if not gone:
-            return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
-        # Slurm has nothing that would make it again.
-        return StepStatus(step, "waiting" if queue is None else "blocked", f"{gone[0]} is gone", attempts)
+        return StepStatus(step, record["state"], attempts[-1]["why"], attempts)
     if is_silent:
         return StepStatus(step, "waiting", "Slurm does not say whether it is queued", attempts, UNKNOWN)
     if record:
         return StepStatus(step, "failed", "cut off: its process ended without a word", attempts)
     if queue is not None:
         return StepStatus(step, "blocked", LOST, attempts)
-    awaited = [id for id in step.depends_on if found[id].state not in ("done", "skipped")]
-    return StepStatus(step, "waiting", f"for {awaited[0]}" if awaited else "to be started", attempts)
+    return StepStatus(step, "waiting", awaited or "to be started", attempts)
+
+
+def what_changed(folder, step, record, found):
+    """Since the step ended well; or "". Sources may be edited: nobody but the tools knows all of them."""
+    gone = missing_outputs(folder, step)
+    if gone:
+        return f"{gone[0]} is gone"
+    made = {output for id in step.depends_on for output in found[id].step.outputs}
+    return "" if untouched(folder, record, made.intersection(step.inputs)) else "what it reads has changed since"
 
 
 def record_of_now(folder, step):
@@ -112,7 +131,7 @@ def as_text(graph, folder, statuses):
     lines = [
         f"{s.state:8} {s.step.id:32} {s.why}" + (f"  [{folder / s.step.log}]" if s.state in ("failed", "running") else "")
         for s in statuses
-        if s.state not in ("done", "skipped")
+        if s.state not in DONE
     ]
     counts = collections.Counter(status.state for status in statuses)
     total = ", ".join(f"{counts[state]} {state}" for state in STATES if counts[state])

@@ -208,6 +208,33 @@ class ExportTest(PlanTest):
             self.assertRegex(submit.stderr, f"^{said}$")
             self.assertEqual((self.folder / "tent/slurm-jobs.tsv").read_text().startswith("12\t"), code == 0)
 
+    def test_a_run_that_is_queued_is_left_alone(self):
+        """By all that would write what its tasks read, and by submit.sh where that was written."""
+        self.describe()
+        self.call_here("tent.plan.json", "--slurm", "s")
+        self.write("sbatch", "#!/bin/sh\ntouch handed; n=0; while [ ! -e go ] && [ $n -lt 400 ]; do sleep 0.02; n=$((n + 1)); done; echo 7\n", 0o755)
+        self.write("squeue", "#!/bin/sh\n", 0o755)
+        self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
+        submit = lambda: subprocess.Popen(["sh", "s/submit.sh"], cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)  # noqa: E731
+        first = submit()
+        self.wait_for((self.folder / "tent/handed").exists)
+        second = submit()
+        self.assertRegex(second.communicate()[1].decode(), r"^s/submit.sh: error: \S*/tent is at work already: .*\n$")
+        self.assertEqual(second.returncode, 3)
+        (self.folder / "tent/go").touch()
+        self.assertEqual(first.communicate(), (None, b""))
+        for said, why in (("echo '7_1|PENDING|None'", "Slurm still has 1 steps of this run; .*: scancel 7"), ("exit 1", ".* or remove .*/slurm-jobs.tsv if .*")):
+            self.write("squeue", f"#!/bin/sh\n{said}\n", 0o755)
+            before = {path: path.read_bytes() for path in (self.folder / "tent/plan.json", self.folder / "tent/slurm-jobs.tsv", *(self.folder / "s").iterdir())}
+            self.describe(GOOD | {"comparisons": {}})
+            for words in (("tent.plan.json", "--slurm", "s"), ("tent.plan.json", "--ninja", "n"), ("run", "tent.plan.json")):
+                self.assertRegex(self.call_here(*words, expect=3), rf"^plan: error: .*{why}\n$")
+            self.assertEqual(before, {path: path.read_bytes() for path in before})
+        self.write("squeue", "#!/bin/sh\n", 0o755)
+        self.call_here("tent.plan.json", "--ninja", "n")
+        self.assertFalse((self.folder / "tent/slurm-jobs.tsv").exists())
+        self.assertRegex(submit().communicate()[1].decode(), r"^s/submit.sh: error: \S*/tent/plan.json changed since this was exported; export again\n$")
+
 
 if __name__ == "__main__":
     main()

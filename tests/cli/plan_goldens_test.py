@@ -41,11 +41,26 @@ class GoldensTest(PlanTest):
         self.assertEqual(re.findall(r": (.*)$", said, re.MULTILINE), ["replaced", "the same", "the same"])
         self.call("run", "tent.plan.json")
 
+    def test_a_golden_that_is_gone_leaves_no_figures_of_before_and_is_not_waited_for(self):
+        self.describe({key: GOOD[key] for key in ("scenes", "atlases")} | {
+            "renders": {"still": LOOK}, "comparisons": {"gate": {"render": "still", "golden": "golden/still.exr"}}})  # fmt: skip
+        self.call_here("run", "tent.plan.json", expect=1)
+        self.call_here("update-goldens", "tent")
+        self.call_here("run", "tent.plan.json")
+        self.call_here("report", "tent", "-o", "tent/report.html")
+        self.assertRegex((self.folder / "tent/report.html").read_text(), "RMSE 0.*href=\"gate/gate.html")
+        (self.folder / "golden/still.exr").unlink()
+        self.call_here("step", "tent", "compare-gate", "--retries", "2", expect=3)
+        self.assertEqual(len(self.states(expect=1)["compare-gate"]["attempts"]), 1)
+        self.call_here("report", "tent", "-o", "tent/report.html")
+        self.assertNotRegex((self.folder / "tent/report.html").read_text(), "RMSE 0|href=\"gate/gate.html")
+        self.call_here("run", "tent.plan.json", expect=1)
+
     def test_goldens_are_replaced_all_or_none(self):
         self.describe_goldens()
         self.stand_in_of_goldens()
         self.call("tent.plan.json", "--ninja", "n")
-        self.assertIn("trace-still has not run since", self.call("update-goldens", "tent", expect=3))
+        self.assertIn("import-tent waiting (to be started); see plan status", self.call("update-goldens", "tent", expect=3))
         self.call("run", "tent.plan.json", expect=1)
         (self.folder / "golden").mkdir()
         self.write("golden/2", "where a folder should be")
@@ -55,7 +70,7 @@ class GoldensTest(PlanTest):
         (self.folder / "golden/2").unlink()
         picture = self.folder / "tent/around/around.0002.exr"
         picture.write_bytes(picture.read_bytes()[:-1])
-        self.assertIn("around.0002.exr: is not of a finished run: trace-around-0002 has not run since", self.call("update-goldens", "tent", expect=3))
+        self.assertIn("around.0002.exr: has changed since trace-around-0002 made it; run", self.call("update-goldens", "tent", expect=3))
         self.assertEqual((self.folder / "golden/still.exr").read_text(), "old")
         self.call("run", "tent.plan.json", expect=1)
         self.call("update-goldens", "tent")
@@ -70,11 +85,11 @@ class GoldensTest(PlanTest):
         (self.folder / "tent/fails").touch()
         self.call_here("run", "tent.plan.json", expect=1)  # and has the pictures of the run before
         said = self.call_here("update-goldens", "tent", expect=3)
-        self.assertRegex(said, r"^plan: error: .*/still.exr: is not of a finished run: import-tent failed; see .*/logs/import-tent.log, and run .*\n$")
+        self.assertRegex(said, r"^plan: error: .*/still.exr: is not of a finished run: import-tent failed \(exit code 4\); see plan status .*/tent\n$")
         (self.folder / "tent/fails").unlink()
         (self.folder / "tent/tent.rtmesh").unlink()
         self.call_here("step", "tent", "import-tent")  # as if the run had been interrupted then: another mesh, of which there are no pictures
-        self.assertRegex(self.call_here("update-goldens", "tent", expect=3), r"^plan: error: .*/still.exr: is not of a finished run: grid-tent has not run since what it reads or makes changed; run the pipeline")
+        self.assertRegex(self.call_here("update-goldens", "tent", expect=3), r"^plan: error: .*/still.exr: is not of a finished run: grid-tent waiting \(what it reads has changed since\); see plan status .*\n$")
         self.assertFalse((self.folder / "golden").exists())
         self.call_here("run", "tent.plan.json", expect=1)
         self.call_here("update-goldens", "tent")

@@ -168,9 +168,35 @@ def check_failures(trial, cluster):
     lost |= {"merge-around-0012": "trace-around-0012-1of2 failed", "compare-same-0012": "merge-around-0012 blocked"}
     failed = [bad.pop(id, "not") for id in ("import-broken", "trace-around-0012-1of2")]
     assert code == 1 and all(why.startswith("failed: rt-") for why in failed), failed
-    assert bad == {id: f"blocked: {why}" for id, why in lost.items()}, bad
+    assert bad == {id: f"blocked: {why}" for id, why in lost.items()}, f"{bad}\n{cluster.logs()}"
     ran = [id for id in lost if (trial.folder / "broken" / "logs" / f"{id}.log").exists()]
     assert not ran, f"ran in spite of what failed: {ran}"
+
+
+def check_cancelled(trial, cluster):
+    """A finished run that is handed in again and cancelled is not finished, and is left alone as long as it is queued."""
+    environment = trial.environment | cluster.environment
+    export = (sys.executable, trial.plan, "local.plan.json", "--slurm", "local-jobs", "--tools", trial.tools)
+    trial.run(*export)
+    submits = [subprocess.Popen(["sh", "local-jobs/submit.sh", "--hold"], cwd=trial.folder, env=environment) for _ in range(2)]
+    codes = sorted(submit.wait() for submit in submits)
+    assert codes == [0, 3], f"two submit.sh at once ended with {codes}"
+    code, steps = trial.status(cluster, trial.folder / "local")
+    assert code == 10 and all("(JobHeldUser)" in step["why"] or "(Dependency)" in step["why"] for step in steps), steps
+    trial.run(*export, environment=environment, expect=3)
+    trial.run(sys.executable, trial.plan, "run", "local.plan.json", "--tools", trial.tools, environment=environment, expect=3)
+    trial.run("scancel", "--me", environment=environment)
+    cluster.wait_for(lambda: not cluster.ask("squeue", "-h"), "the queue is not emptied", 60)
+    code, steps = trial.status(cluster, trial.folder / "local")
+    assert code == 1 and {step["state"] for step in steps} == {"blocked"}, steps
+    script = trial.folder / "local-jobs" / "import-tent.sbatch"
+    script.write_text(script.read_text().replace(sys.executable, "/no/python3"))
+    trial.run("sh", "local-jobs/submit.sh", environment=environment)
+    cluster.wait_for(lambda: not cluster.ask("squeue", "-h"), "the queue is not emptied", 60)
+    code, steps = trial.status(cluster, trial.folder / "local")
+    log = trial.folder / "local" / "logs" / "slurm-local.import-tent-1.log"
+    assert code == 1 and steps[0]["why"] == f"ended before it could say why; see {log}" and "/no/python3" in log.read_text(), steps
+    assert [step["why"] for step in steps[1:]] == ["import-tent blocked; its outputs are of an earlier run", "grid-tent blocked; its outputs are of an earlier run"], steps
 
 
 def main():
@@ -191,6 +217,7 @@ def main():
         with SlurmCluster(folder / "cluster") as cluster:
             check(trial, run_with_faults(trial, cluster))
             check_failures(trial, cluster)
+            check_cancelled(trial, cluster)
         code, steps = trial.status(cluster, folder / RUN)
         assert code == 0, f"without Slurm the finished run's status ends with {code}: {steps}"
     return 0

@@ -2,6 +2,7 @@
 import json
 import os
 import re
+import shutil
 import struct
 import subprocess
 import time
@@ -12,8 +13,8 @@ import zlib
 
 import numpy
 
-from plan_support import GOOD, PlanTest, main
-from planner import graph, run_here, run_step, status, thumbnail
+from plan_support import GOOD, LOOK, PlanTest, main
+from planner import freshness, graph, run_here, run_step, status, thumbnail
 
 
 class StatusTest(PlanTest):
@@ -70,7 +71,8 @@ class StatusTest(PlanTest):
             if step.stage in ("import", "grid", "trace"):
                 for output in step.outputs:
                     (folder / output).touch()
-                run_step.save_record(folder, step, "failed" if step.id in ("trace-around-0002-1of2", "trace-pairs-0003") else "done", [ended])
+                run_step.save_record(folder, step, "failed" if step.id in ("trace-around-0002-1of2", "trace-pairs-0003") else "done", [ended],
+                                     {"files": freshness.signatures(folder, step.inputs)})  # fmt: skip
         statuses = {s.step.id: s for s in status.run_status(made, folder, {"compare-same-0001": ("7_1", "PENDING", "Dependency")})}
         found = {id: s.why for id, s in statuses.items() if s.step.stage in ("merge", "compare")}
         self.assertEqual(found, {
@@ -101,9 +103,10 @@ class StatusTest(PlanTest):
 
     def test_records_tell_the_status_where_slurm_is_silent(self):
         self.describe_still()
-        self.stand_in("mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        self.stand_in("make\n")
         self.call_here("run", "tent.plan.json")
         self.write("tent/slurm-jobs.tsv", "")
+        os.utime(self.folder / "tent/slurm-jobs.tsv", (1, 1))
         self.write("squeue", "#!/bin/sh\necho 'no controller' >&2; exit 1\n", 0o755)
         self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
         warning = r'plan: warning: Slurm does not say what is queued: squeue: "no controller"; try again\n'
@@ -113,6 +116,47 @@ class StatusTest(PlanTest):
         record.write_text(record.read_text().replace('"done"', '"running"'))  # cut off, and perhaps in the queue again
         said = self.call_here("status", "tent", expect=10)
         self.assertRegex(said, r"^waiting +trace-still +Slurm does not say whether .*\n.*: 2 done, 1 waiting\nnext: ask again where Slurm answers\n")
+
+    def test_what_reads_what_was_made_anew_is_not_done(self):
+        self.describe_still()
+        self.stand_in("echo x >>$out; make\n")  # other files each time
+        self.call_here("run", "tent.plan.json")
+        self.call_here("step", "tent", "import-tent")
+        said = self.call_here("status", "tent", expect=10)
+        self.assertRegex(said, r"^waiting +grid-tent +what it reads has changed since\nwaiting +trace-still +for grid-tent\ntent: 3 steps: 1 done, 2 waiting\n")
+        self.call_here("report", "tent", "-o", "page.html", "--junit", "junit.xml")
+        self.assertIn("<figcaption>still: waiting</figcaption>", (self.folder / "page.html").read_text())
+        self.assertEqual(ET.parse(self.folder / "junit.xml").getroot().get("skipped"), "2")
+        self.call_here("step", "tent", "grid-tent")
+        self.assertRegex(self.call_here("status", "tent", expect=10), r"^waiting +trace-still +what it reads has changed since\n")
+        self.call_here("step", "tent", "trace-still")
+        self.call_here("status", "tent")
+
+    def test_what_slurm_has_to_run_again_is_not_done_by_an_earlier_record(self):
+        """And Slurm's log is named, if there is one of that time. Its lists of tasks are needed no more than it has tasks."""
+        self.describe(GOOD | {"renders": {"s": LOOK | {"cameraPath": "path.json", "frames": [1, 2]}}, "comparisons": {}})
+        self.stand_in("[ -e $(printf $out ${frames%-*}) ] || make\n")
+        self.call_here("run", "tent.plan.json")
+        self.call_here("tent.plan.json", "--slurm", "s")
+        self.write("tent/logs/slurm-tent.trace-s-1.log", "of an earlier run")
+        self.write("sbatch", "#!/bin/sh\necho x >>n; wc -l <n\n", 0o755)
+        self.write("squeue", "#!/bin/sh\n", 0o755)
+        self.environment["PATH"] = f"{self.folder}:{self.environment['PATH']}"
+        self.assertEqual(subprocess.run(["sh", "s/submit.sh"], cwd=self.folder, env=self.environment, stdout=subprocess.DEVNULL).returncode, 0)
+        shutil.rmtree(self.folder / "s")
+        self.assertRegex(self.call_here("status", "tent", expect=1), rf"^blocked +import-tent +{status.LOST}\n(blocked .*\n)+tent: 4 steps: 4 blocked\n")
+        for step in ("import-tent", "grid-tent"):
+            self.call_here("step", "tent", step)
+        self.write("tent/logs/slurm-tent.trace-s-2.log", "plan: No such file")
+        self.assertRegex(self.call_here("status", "tent", expect=1),
+                         rf"^blocked +trace-s-0001 +{status.LOST}\n"
+                         r"blocked +trace-s-0002 +ended before it could say why; see tent/logs/slurm-tent.trace-s-2.log\ntent: 4 steps: 2 skipped, 2 blocked\n")  # fmt: skip
+        self.write("squeue", "#!/bin/sh\nexit 1\n", 0o755)
+        self.assertRegex(self.call_here("status", "tent", expect=10), r"^waiting +trace-s-0001 +Slurm does not say whether")
+        self.write("squeue", "#!/bin/sh\n", 0o755)
+        for step in ("trace-s-0001", "trace-s-0002"):
+            self.call_here("step", "tent", step)
+        self.assertEqual(self.call_here("status", "tent"), "tent: 4 steps: 4 skipped\n")
 
     def test_slurms_time_limit_is_thought_of(self):
         made = graph.build_graph(GOOD, "t", self.folder, self.folder)
@@ -129,7 +173,7 @@ class StatusTest(PlanTest):
 
     def test_records_that_are_none_do_not_count(self):
         self.describe_still()
-        self.stand_in("mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        self.stand_in("make\n")
         self.call("run", "tent.plan.json")
         path = self.folder / "tent/steps/import-tent.json"
         content = json.loads(path.read_text())
@@ -147,7 +191,7 @@ class StatusTest(PlanTest):
 
     def test_own_files_that_are_damaged_are_written_again(self):
         self.describe_still()
-        self.stand_in("mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        self.stand_in("make\n")
         self.call_here("tent.plan.json", "--ninja", "n")
         ninja = (self.folder / "n").read_text()
         altered = (self.folder / "tent/plan.json").read_bytes().replace(b"trace-still", b"trace-stilt", 1)
@@ -169,7 +213,7 @@ class StatusTest(PlanTest):
 
     def test_what_waits_for_a_step_that_fails_is_not_done(self):
         self.describe_still()
-        self.stand_in("[ ! -e fails ] || exit 4; mkdir -p still; touch tent.rtmesh tent.rtatlas still/still.exr still/still.png\n")
+        self.stand_in("[ ! -e fails ] || exit 4; make\n")
         self.call_here("run", "tent.plan.json")
         (self.folder / "tent/fails").touch()
         said = self.call_here("run", "tent.plan.json", expect=1)
@@ -214,6 +258,17 @@ class ReportTest(PlanTest):
         for name in ("around/around.0002.exr", "whole/whole.0001.png", "still/still.exr"):
             self.assertEqual((self.folder / "made" / name).read_bytes(), (self.folder / "tent" / name).read_bytes(), name)
         self.check_reports()
+
+    def test_reports_replace_no_file_of_the_run(self):
+        self.describe_still()
+        self.stand_in("make\n")
+        self.call_here("run", "tent.plan.json")
+        (self.folder / "link").symlink_to("tent")
+        before = {path: path.read_bytes() for path in self.folder.rglob("*.*") if path.is_file()}
+        for name in ("tent/plan.json", "link/run.json", "tent/steps/import-tent.json", "tent/still/still.png", "tent.obj"):
+            for option in ("-o", "--junit"):
+                self.assertRegex(self.call_here("report", "tent", option, name, expect=2), rf"^plan: error: {name}: belongs to the run; .*\n$")
+        self.assertEqual(before, {path: path.read_bytes() for path in before})
 
     def check_reports(self):
         self.call("report", "tent", "-o", "report.html", "--junit", "junit.xml")

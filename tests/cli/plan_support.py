@@ -97,8 +97,17 @@ class PlanTest(unittest.TestCase):
             time.sleep(0.02)
 
     def stand_in(self, script):
-        """All tools do this instead; $out is what follows the first -o."""
-        head = "#!/bin/sh\n[ \"$1\" != --version ] || exit 0\nout=; previous=; for word; do [ \"$previous\" != -o ] || out=${out:-$word}; previous=$word; done\n"
+        """All tools do this instead; $out is what follows the first -o, `make` touches all outputs."""
+        head = """#!/bin/sh
+[ "$1" != --version ] || exit 0
+outs=; frames=0-0; previous=
+for word; do
+    case $previous in -o|--html|--json) outs="$outs $word" ;; --frames) frames=$word ;; esac
+    previous=$word
+done
+out=${outs# }; out=${out%% *}
+make() { for out in $outs; do for n in $(seq ${frames%-*} ${frames#*-}); do touch "$(printf "$out" $n)"; done; done; }
+"""
         (self.folder / "tools").mkdir()
         for tool in ("rt-import", "rt-grid", "rt-trace", "rt-compare"):
             self.write(f"tools/{tool}", head + script, 0o755)
