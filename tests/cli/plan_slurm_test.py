@@ -168,6 +168,9 @@ def check_failures(trial, cluster):
     lost |= {"merge-around-0012": "trace-around-0012-1of2 failed", "compare-same-0012": "merge-around-0012 blocked"}
     failed = [bad.pop(id, "not") for id in ("import-broken", "trace-around-0012-1of2")]
     assert code == 1 and all(why.startswith("failed: rt-") for why in failed), failed
+    # Frame 11 is not split off either when Slurm looks at frame 12, and is sometimes cancelled with it.
+    beside = [bad.pop(id, "blocked") for id in ("merge-around-0011", "compare-same-0011")]
+    assert all(why.startswith("blocked") for why in beside), beside
     assert bad == {id: f"blocked: {why}" for id, why in lost.items()}, f"{bad}\n{cluster.logs()}"
     ran = [id for id in lost if (trial.folder / "broken" / "logs" / f"{id}.log").exists()]
     assert not ran, f"ran in spite of what failed: {ran}"
