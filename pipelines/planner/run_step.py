@@ -49,12 +49,11 @@ def find_step(graph, folder, token):
 
 
 def refuse_blocked(graph, folder, step):
-    """Throws PlanError if a step failed that led to it. Engines know that too, but Slurm forgets it in arrays that are tied task by task."""
+    """Throws PlanError if a step failed that led to it. For Slurm, which forgets that in arrays that are tied task by task."""
     for other in graph.lineage(step.id)[1:]:
         record = read_record(folder, other)
-        if record and record["state"] not in ("done", "skipped"):
-            said = "failed" if record["state"] == "failed" else "was cut off, or runs"
-            raise PlanError(FILE_ACCESS, f"{step.id}: is not run, since {other.id} {said}; see {folder / other.log}")
+        if record and record["state"] == "failed":
+            raise PlanError(FILE_ACCESS, f"{step.id}: is not run, since {other.id} failed; see {folder / other.log}")
 
 
 def lock_path(folder, step):

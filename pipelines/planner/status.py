@@ -90,7 +90,7 @@ def what_changed(folder, step, record, found):
     if gone:
         return f"{gone[0]} is gone"
     made = {output for id in step.depends_on for output in found[id].step.outputs}
-    return "" if untouched(folder, record, made.intersection(step.inputs)) else "what it reads has changed since"
+    return "" if untouched(folder, record, [*made.intersection(step.inputs), *step.outputs]) else "what it reads or made has changed since"
 
 
 def record_of_now(folder, step):

@@ -70,7 +70,7 @@ class GoldensTest(PlanTest):
         (self.folder / "golden/2").unlink()
         picture = self.folder / "tent/around/around.0002.exr"
         picture.write_bytes(picture.read_bytes()[:-1])
-        self.assertIn("around.0002.exr: has changed since trace-around-0002 made it; run", self.call("update-goldens", "tent", expect=3))
+        self.assertIn("around.0002.exr: is not of a finished run: trace-around-0002 waiting (what it reads or made has changed since)", self.call("update-goldens", "tent", expect=3))
         self.assertEqual((self.folder / "golden/still.exr").read_text(), "old")
         self.call("run", "tent.plan.json", expect=1)
         self.call("update-goldens", "tent")
@@ -89,7 +89,7 @@ class GoldensTest(PlanTest):
         (self.folder / "tent/fails").unlink()
         (self.folder / "tent/tent.rtmesh").unlink()
         self.call_here("step", "tent", "import-tent")  # as if the run had been interrupted then: another mesh, of which there are no pictures
-        self.assertRegex(self.call_here("update-goldens", "tent", expect=3), r"^plan: error: .*/still.exr: is not of a finished run: grid-tent waiting \(what it reads has changed since\); see plan status .*\n$")
+        self.assertRegex(self.call_here("update-goldens", "tent", expect=3), r"^plan: error: .*/still.exr: is not of a finished run: grid-tent waiting \(what it reads or made has changed since\); see plan status .*\n$")
         self.assertFalse((self.folder / "golden").exists())
         self.call_here("run", "tent.plan.json", expect=1)
         self.call_here("update-goldens", "tent")

@@ -93,6 +93,7 @@ class RunTest(PlanTest):
         self.call("step", "tent", "import-tent", expect=4)
         (self.folder / "tent/fails").unlink()
         pictures = (self.folder / "tent/still/still.exr").read_text()
+        self.environment["SLURM_ARRAY_TASK_ID"] = "1"
         said = self.call("step", "tent", "trace-still", "--retries", "2", expect=3)
         self.assertRegex(said, r"^plan: error: trace-still: is not run, since import-tent failed; see \S*/tent/logs/import-tent.log\n$")
         self.assertEqual((self.folder / "tent/still/still.exr").read_text(), pictures)

@@ -72,7 +72,7 @@ class StatusTest(PlanTest):
                 for output in step.outputs:
                     (folder / output).touch()
                 run_step.save_record(folder, step, "failed" if step.id in ("trace-around-0002-1of2", "trace-pairs-0003") else "done", [ended],
-                                     {"files": freshness.signatures(folder, step.inputs)})  # fmt: skip
+                                     {"files": freshness.signatures(folder, [*step.inputs, *step.outputs])})  # fmt: skip
         statuses = {s.step.id: s for s in status.run_status(made, folder, {"compare-same-0001": ("7_1", "PENDING", "Dependency")})}
         found = {id: s.why for id, s in statuses.items() if s.step.stage in ("merge", "compare")}
         self.assertEqual(found, {
@@ -123,14 +123,16 @@ class StatusTest(PlanTest):
         self.call_here("run", "tent.plan.json")
         self.call_here("step", "tent", "import-tent")
         said = self.call_here("status", "tent", expect=10)
-        self.assertRegex(said, r"^waiting +grid-tent +what it reads has changed since\nwaiting +trace-still +for grid-tent\ntent: 3 steps: 1 done, 2 waiting\n")
+        self.assertRegex(said, r"^waiting +grid-tent +what it reads or made has changed since\nwaiting +trace-still +for grid-tent\ntent: 3 steps: 1 done, 2 waiting\n")
         self.call_here("report", "tent", "-o", "page.html", "--junit", "junit.xml")
         self.assertIn("<figcaption>still: waiting</figcaption>", (self.folder / "page.html").read_text())
         self.assertEqual(ET.parse(self.folder / "junit.xml").getroot().get("skipped"), "2")
         self.call_here("step", "tent", "grid-tent")
-        self.assertRegex(self.call_here("status", "tent", expect=10), r"^waiting +trace-still +what it reads has changed since\n")
+        self.assertRegex(self.call_here("status", "tent", expect=10), r"^waiting +trace-still +what it reads or made has changed since\n")
         self.call_here("step", "tent", "trace-still")
         self.call_here("status", "tent")
+        self.write("tent/still/still.exr", "of another description, made in the same folder")
+        self.assertRegex(self.call_here("status", "tent", expect=10), r"^waiting +trace-still +what it reads or made has changed since\n")
 
     def test_what_slurm_has_to_run_again_is_not_done_by_an_earlier_record(self):
         """And Slurm's log is named, if there is one of that time. Its lists of tasks are needed no more than it has tasks."""
