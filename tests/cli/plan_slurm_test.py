@@ -82,6 +82,12 @@ class Trial:
         return (result.returncode, json.loads(result.stdout)["steps"]) if result.stdout else (None, [])
 
 
+def is_over(trial, cluster):
+    """A task that Slurm is about to put back into the queue is in none, and seems to have failed."""
+    code, _ = trial.status(cluster, trial.folder / RUN)
+    return code == 0 or (code == 1 and not cluster.ask("squeue", "-h"))
+
+
 def run_with_faults(trial, cluster):
     """The steps as `plan status` has them in the end."""
     environment = trial.environment | cluster.environment
@@ -105,12 +111,12 @@ def run_with_faults(trial, cluster):
     cluster.wait_for(lambda: all('"done"' in record.read_text() for record in records), "the shards of frames 8 and 9 do not end", 60)
     cluster.start_controller()
     try:
-        cluster.wait_for(lambda: trial.status(cluster, trial.folder / RUN)[0] in (0, 1), "not all steps end", 120)
+        cluster.wait_for(lambda: is_over(trial, cluster), "not all steps end", 120)
     finally:
         code, steps = trial.status(cluster, trial.folder / RUN)
         print("\n".join(f"{step['id']} {step['state']} {step['why']}" for step in steps if step["state"] not in ("done", "skipped")))
     print(f"{time.monotonic() - begin:5.1f} s: all steps ended")
-    assert code == 0, f"plan status ended with {code}"
+    assert code == 0, f"plan status ended with {code}\n{cluster.logs()}"
     cluster.wait_for(lambda: (trial.folder / RUN / "junit.xml").exists(), "the summary is not written", 60)
     return {step["id"]: step for step in steps}
 
