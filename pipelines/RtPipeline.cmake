@@ -279,7 +279,7 @@ function(rt_add_regression name)
     if(NOT TARGET update_goldens)
         add_custom_target(update_goldens)
     endif()
-    set_target_properties(update_${name} update_goldens PROPERTIES RT_FILES ${ARG_GOLDENS}) # and no atlas
+    set_target_properties(update_${name} update_goldens PROPERTIES RT_FILES ${ARG_GOLDENS}) # so that ATLAS update_... is refused
     add_dependencies(update_goldens update_${name})
 endfunction()
 

@@ -88,7 +88,7 @@ def graph_path(folder):
 
 
 def save_graph(graph, folder):
-    """A step has a line, for those who read it."""
+    """Each step stands on a line of its own, for people who read or compare it."""
     rest = json.dumps({"name": graph.name, "renders": graph.renders, "comparisons": graph.comparisons})
     steps = ",\n".join(json.dumps(vars(step)) for step in graph.steps)
     body = f'"steps": [\n{steps}\n],\n{rest[1:]}\n'
